@@ -1,5 +1,6 @@
 //! What hypotheses are compared with: features of all releases and all samples; and the comparison, release by release.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -9,6 +10,7 @@ use rayon::prelude::*;
 use super::hypothesis::{Hypothesis, Simulated};
 use super::likelihood::Weights;
 use super::search::Point;
+use super::slopes::Slopes;
 use crate::calibrate::Trial;
 use crate::features::covariance::covariance;
 use crate::features::{Noise, Plan};
@@ -32,11 +34,11 @@ pub struct Data {
     runs: AtomicUsize,
 }
 
-/// Differences, simulated less recorded, and their slopes by all unknowns; by release.
+/// Differences, simulated less recorded, and their slopes; by release.
 #[derive(Clone, Debug, Default)]
 pub struct Compared {
     pub differences: Vec<DVector<f64>>,
-    pub slopes: Arc<Vec<DMatrix<f64>>>,
+    pub slopes: Arc<Vec<Slopes>>,
 }
 
 /// One simulation of all releases beside the recordings.
@@ -46,7 +48,7 @@ pub struct Comparison {
     pub features: Compared,
     /// All samples, m.
     pub samples: Compared,
-    /// `JᵀJ` of the slopes of all samples, by release.
+    /// `JᵀJ` of the slopes J of all samples, by release.
     pub squares: Arc<Vec<DMatrix<f64>>>,
 }
 
@@ -115,32 +117,43 @@ impl Data {
 
     /// All releases simulated and compared, with slopes by all unknowns; none where one cannot be run.
     pub fn compare(&self, hypothesis: &Hypothesis, z: &DVector<f64>) -> Option<Comparison> {
-        let n = hypothesis.unknowns.len();
+        self.compare_by(hypothesis, z, &(0..z.len()))
+    }
+
+    /// The same with slopes by those unknowns alone.
+    pub fn compare_by(
+        &self,
+        hypothesis: &Hypothesis,
+        z: &DVector<f64>,
+        wanted: &Range<usize>,
+    ) -> Option<Comparison> {
         let of = |plan: &Plan, simulated: Simulated| {
             let at = plan.simulated(&simulated.coordinates);
             let (feature, difference) = differences(plan, &simulated, &at.values);
-            let mut features = DMatrix::zeros(feature.len(), n);
-            let mut samples = DMatrix::zeros(difference.len(), n);
+            let places: Vec<usize> = simulated.slopes.iter().map(|(u, _)| *u).collect();
+            let mut features = DMatrix::zeros(feature.len(), places.len());
+            let mut samples = DMatrix::zeros(difference.len(), places.len());
             let count = plan.samples.len();
-            for (u, moved) in &simulated.slopes {
+            for (k, (_, moved)) in simulated.slopes.iter().enumerate() {
                 let along = plan.along(&simulated.coordinates, &at, moved);
                 for (f, slope) in along.into_iter().enumerate() {
-                    features[(f, *u)] = slope / plan.scales[f];
+                    features[(f, k)] = slope / plan.scales[f];
                 }
                 for (c, q) in moved.iter().enumerate() {
-                    samples.view_mut((c * count, *u), (count, 1)).copy_from_slice(&q[..count]);
+                    samples.view_mut((c * count, k), (count, 1)).copy_from_slice(&q[..count]);
                 }
             }
             let square = samples.transpose() * &samples;
-            ((feature, features), (difference, samples), square)
+            let slopes = |matrix| Slopes { places: places.clone(), matrix };
+            ((feature, slopes(features)), (difference, slopes(samples)), square)
         };
         let (mut feature, mut sample, mut squares) = (Vec::new(), Vec::new(), Vec::new());
-        for (own, other, square) in self.simulate(hypothesis, z, true, of)? {
+        for (own, other, square) in self.simulate(hypothesis, z, wanted, of)? {
             feature.push(own);
             sample.push(other);
             squares.push(square);
         }
-        let compared = |own: Vec<(DVector<f64>, DMatrix<f64>)>| {
+        let compared = |own: Vec<(DVector<f64>, Slopes)>| {
             let (differences, slopes): (Vec<_>, Vec<_>) = own.into_iter().unzip();
             Compared { differences, slopes: slopes.into() }
         };
@@ -157,7 +170,7 @@ impl Data {
         let of = |plan: &Plan, simulated: Simulated| {
             differences(plan, &simulated, &plan.simulated(&simulated.coordinates).values)
         };
-        let (features, samples) = self.simulate(hypothesis, z, false, of)?.into_iter().unzip();
+        let (features, samples) = self.simulate(hypothesis, z, &(0..0), of)?.into_iter().unzip();
         Some(Comparison {
             features: Compared { differences: features, slopes: slopes.features.slopes.clone() },
             samples: Compared { differences: samples, slopes: slopes.samples.slopes.clone() },
@@ -180,12 +193,12 @@ impl Data {
         &self,
         hypothesis: &Hypothesis,
         z: &DVector<f64>,
-        slopes: bool,
+        wanted: &Range<usize>,
         of: impl Fn(&Plan, Simulated) -> T + Sync,
     ) -> Option<Vec<T>> {
         self.runs.fetch_add(self.plans.len(), Ordering::Relaxed);
         let one = |(r, plan): (usize, &Plan)| {
-            let simulated = hypothesis.simulate(r, plan, z, slopes)?;
+            let simulated = hypothesis.simulate(r, plan, z, wanted)?;
             Some(of(plan, simulated))
         };
         self.plans.par_iter().enumerate().map(one).collect::<Vec<_>>().into_iter().collect()

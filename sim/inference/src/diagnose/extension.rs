@@ -46,9 +46,16 @@ const STATEMENT_ODDS: f64 = -3.0;
 /// What the name of an effect of the rod's material is followed by where it has a strength for each pressure.
 const OF_EACH: &str = ", by pressure";
 
+/// Extensions that are one model at equal strengths.
+pub struct Group {
+    /// The effect, at one of its tries; none of a statement.
+    pub candidate: Option<Candidate>,
+    pub extensions: Vec<Extension>,
+}
+
 /// All effects that a hypothesis has not, each with each of its tries. One of the rod's material is there twice, the second time with
-/// a strength for each pressure, which changes the material: at equal strengths both are one model.
-pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Vec<Extension>> {
+/// a strength for each pressure, which changes the material.
+pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Group> {
     let is_varied = has_several_pressures(&of.trials);
     let both = |candidate: &Candidate| {
         let shared = extension(of, candidate).ok()?;
@@ -60,19 +67,21 @@ pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Vec<Extensi
         let of_each = Extension { name: format!("{}{OF_EACH}", of_each.name), odds: -LN_2, ..of_each };
         Some(vec![Extension { odds: -LN_2, ..shared }, of_each])
     };
-    candidates(&of.trials, settings).iter().filter_map(both).collect()
+    let group = |candidate| Some(Group { extensions: both(&candidate)?, candidate: Some(candidate) });
+    candidates(&of.trials, settings).into_iter().filter_map(group).collect()
 }
 
 /// All statements that may be freed.
-pub fn statements(of: &Hypothesis) -> Vec<Vec<Extension>> {
+pub fn statements(of: &Hypothesis) -> Vec<Group> {
     let extension = |(name, factor): (&'static str, f64)| {
-        Some(vec![Extension {
+        let extension = Extension {
             name: name.to_owned(),
             hypothesis: freed(of, name, factor)?,
             strengths: Vec::new(),
             wider: factor,
             odds: STATEMENT_ODDS,
-        }])
+        };
+        Some(Group { candidate: None, extensions: vec![extension] })
     };
     FREED.into_iter().filter_map(extension).collect()
 }
@@ -115,6 +124,21 @@ pub fn extension(of: &Hypothesis, candidate: &Candidate) -> Result<Extension, Mo
         add(&mut hypothesis, shape(parameter, *value, range), &path, &releases)?;
     }
     Ok(Extension { name: name.to_owned(), hypothesis, strengths, wider: 1.0, odds: 0.0 })
+}
+
+/// A hypothesis with many effects beside, all of them off: each has one strength for all releases, in the order of the groups.
+pub fn all_off(of: &Hypothesis, groups: &[&Group]) -> Result<Hypothesis, ModelError> {
+    let mut all = of.clone();
+    let releases: Vec<usize> = (0..of.trials.len()).collect();
+    for group in groups {
+        let (Some(candidate), Some(own)) = (&group.candidate, group.extensions.first()) else { continue };
+        for trial in &mut all.trials {
+            *trial = candidate.on(trial, candidate.null_value)?;
+        }
+        let strength = own.hypothesis.unknowns[own.strengths[0]].clone();
+        add(&mut all, Unknown { acts: Vec::new(), ..strength }, &candidate.path(), &releases)?;
+    }
+    Ok(all)
 }
 
 /// Deviation of a strength's prior, with its sign, and whether it has one side only.

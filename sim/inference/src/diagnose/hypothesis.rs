@@ -1,7 +1,7 @@
 //! A hypothesis: models of all releases and the unknowns that act on them; how it is simulated, with slopes by all unknowns
 //! from one run of each release.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use efam_core::forward::{Cancel, FAST_TOLERANCE, Initial, Run, forward};
 use efam_core::integrate::{Method, Steps};
@@ -85,10 +85,16 @@ impl Hypothesis {
         }
     }
 
-    /// Simulates one release at the times of its plan, with slopes by all unknowns or none. None where the model
+    /// Simulates one release at the times of its plan, with slopes by the unknowns of which they are wanted. None where the model
     /// cannot be run.
-    pub fn simulate(&self, r: usize, plan: &Plan, z: &DVector<f64>, slopes: bool) -> Option<Simulated> {
-        let mut setting = self.setting(r, &plan.tracks, z, slopes);
+    pub fn simulate(
+        &self,
+        r: usize,
+        plan: &Plan,
+        z: &DVector<f64>,
+        wanted: &Range<usize>,
+    ) -> Option<Simulated> {
+        let mut setting = self.setting(r, &plan.tracks, z, wanted);
         let markers = setting.points.len();
         let asides: Vec<usize> = setting.chains.iter().filter_map(|chain| setting.place(chain)).collect();
         for track in asides {
@@ -125,7 +131,7 @@ impl Hypothesis {
     }
 
     /// Values of the model and of the setup at `z`.
-    fn setting(&self, r: usize, tracks: &[usize], z: &DVector<f64>, slopes: bool) -> Setting<'_> {
+    fn setting(&self, r: usize, tracks: &[usize], z: &DVector<f64>, wanted: &Range<usize>) -> Setting<'_> {
         let trial = &self.trials[r];
         let points = tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
         let mut setting = Setting { points, ..Setting::default() };
@@ -148,7 +154,7 @@ impl Hypothesis {
                         }
                     }
                 }
-                if slopes {
+                if wanted.contains(&u) {
                     setting.chains.push(Chain { unknown: u, act, theta, slope });
                 }
             }
@@ -173,7 +179,7 @@ impl Hypothesis {
 
     /// One release with the values of all unknowns at `z`; `tracks` are those of its plan.
     pub fn settled(&self, r: usize, tracks: &[usize], z: &DVector<f64>) -> Settled {
-        let setting = self.setting(r, tracks, z, false);
+        let setting = self.setting(r, tracks, z, &(0..0));
         let mut trial = self.trials[r].clone();
         (trial.model, trial.run.initial) = trial.with(&setting.theta);
         trial.run.cancel = Cancel::default();

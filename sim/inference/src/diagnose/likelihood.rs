@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::data::{Compared, Comparison, Data};
 use super::hypothesis::Hypothesis;
 use super::search::{Effort, Likelihood, Point, search};
+use super::slopes::{add, add_square};
 use super::unknown::Unknown;
 use crate::features::Plan;
 
@@ -69,6 +70,7 @@ impl Weights {
 /// Differences and slopes of one release in the eigenvectors of the noise.
 struct Rotated<'a> {
     difference: DVector<f64>,
+    places: &'a [usize],
     slopes: DMatrix<f64>,
     weights: &'a Weights,
 }
@@ -139,9 +141,11 @@ pub struct Expanded {
     pub hessian: DMatrix<f64>,
 }
 
-fn rotated<'a>(compared: &Compared, weights: &'a [Weights], share: f64) -> Vec<Rotated<'a>> {
+fn rotated<'a>(compared: &'a Compared, weights: &'a [Weights], share: f64) -> Vec<Rotated<'a>> {
     let of = |(r, weights): (usize, &'a Weights)| {
-        let (mut difference, mut slopes) = (compared.differences[r].clone(), compared.slopes[r].clone());
+        let places = &compared.slopes[r].places;
+        let (mut difference, mut slopes) =
+            (compared.differences[r].clone(), compared.slopes[r].matrix.clone());
         for f in 0..difference.len() {
             if !difference[f].is_finite() {
                 difference[f] = LACKING * weights.deviation(f, share);
@@ -150,7 +154,8 @@ fn rotated<'a>(compared: &Compared, weights: &'a [Weights], share: f64) -> Vec<R
             // A slope that cannot be had says nothing.
             slopes.row_mut(f).iter_mut().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
         }
-        Rotated { difference: &weights.rotation * difference, slopes: &weights.rotation * slopes, weights }
+        let (difference, slopes) = (&weights.rotation * difference, &weights.rotation * slopes);
+        Rotated { difference, places, slopes, weights }
     };
     weights.iter().enumerate().map(of).collect()
 }
@@ -163,12 +168,10 @@ fn expanded(rotated: &[Rotated], z: &DVector<f64>, share: f64) -> Expanded {
         let weight = own.weights.variances.map(|variance| (variance + share * share).recip());
         let weighted = own.difference.component_mul(&weight);
         cost += 0.5 * own.difference.dot(&weighted);
-        if own.slopes.ncols() == n {
-            gradient += own.slopes.tr_mul(&weighted);
-            let mut rows = own.slopes.clone();
-            rows.row_iter_mut().zip(weight.iter()).for_each(|(mut row, weight)| row *= weight.sqrt());
-            hessian += rows.tr_mul(&rows);
-        }
+        add(&mut gradient, own.places, 1.0, &own.slopes.tr_mul(&weighted));
+        let mut rows = own.slopes.clone();
+        rows.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weight));
+        add_square(&mut hessian, own.places, 1.0, &(own.slopes.transpose() * rows));
     }
     Expanded { cost, gradient, hessian }
 }
@@ -253,12 +256,11 @@ pub fn laplace(at: &Expanded, z: &DVector<f64>, is_half: &[bool]) -> f64 {
         let slope = at.gradient[k] - coupled.dot(&step);
         value += 2f64.ln() - 0.5 * bend.ln() + 0.5 * slope * slope / bend + ln_normal(-slope / bend.sqrt());
     }
-    if free.iter().any(|k| is_half[*k]) {
-        let covariance = factors.inverse();
-        for (place, k) in free.iter().enumerate().filter(|(_, k)| is_half[**k]) {
-            let deviations = (z[*k] - step[place]) / covariance[(place, place)].sqrt();
-            value += 2f64.ln() + ln_normal(deviations);
-        }
+    for (place, k) in free.iter().enumerate().filter(|(_, k)| is_half[**k]) {
+        let mut own = DVector::zeros(free.len());
+        own[place] = 1.0;
+        let deviation = factors.l_dirty().solve_lower_triangular(&own).map_or(f64::NAN, |own| own.norm());
+        value += 2f64.ln() + ln_normal((z[*k] - step[place]) / deviation);
     }
     value
 }
@@ -287,6 +289,7 @@ pub fn ln_normal(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::slopes::Slopes;
     use super::*;
 
     /// `∫ N(y; x, σ²) N(x; 0, 1) dx = N(y; 0, 1 + σ²)`, and twice the share of the posterior above zero over half a normal
@@ -348,7 +351,7 @@ mod tests {
         let sign = |k: usize| if k.is_multiple_of(2) { 0.02 } else { -0.02 };
         let compared = Compared {
             differences: vec![DVector::from_fn(n, |k, _| sign(k))],
-            slopes: vec![DMatrix::zeros(n, 0)].into(),
+            slopes: vec![Slopes { places: Vec::new(), matrix: DMatrix::zeros(n, 0) }].into(),
         };
         let (_, share) = evidence(&compared, &[weights], &[], &DVector::zeros(0), 0.01, 30.0);
         assert!((share - 0.02).abs() < 5e-4, "{share}");

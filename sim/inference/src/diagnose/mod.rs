@@ -26,6 +26,7 @@ mod search;
 pub(crate) mod section;
 mod settings;
 mod setup;
+mod slopes;
 mod stated;
 mod summary_text;
 mod swing;
@@ -44,7 +45,7 @@ use models::muscle;
 use crate::calibrate::{CalibrateError, Problem, Trial};
 pub use curve::Curve;
 use data::Data;
-use extension::{Extension, effects, statements};
+use extension::{Extension, Group, effects, statements};
 use hypothesis::{Hypothesis, refusal};
 use likelihood::{FIRST_SHARE, Fit};
 use round::{round, weighed};
@@ -238,7 +239,8 @@ impl<'a> Search<'a> {
         let others = if accepted.is_empty() { self.means.as_slice() } else { &[] };
         let base = accepted.last_mut().map_or(baseline, |last| &mut last.sampled);
         let extensions = extensions(&base.fit, self.settings);
-        let mut names: Vec<&str> = extensions.iter().flatten().map(Extension::effect).collect();
+        let mut names: Vec<&str> =
+            extensions.iter().flat_map(|own| &own.extensions).map(Extension::effect).collect();
         names.sort_unstable();
         names.dedup();
         // That nothing is missing is as probable beforehand as that something is, and then each candidate alike. By Markov's
@@ -285,7 +287,7 @@ fn cut_by(listener: &dyn Listener, work: &Work) -> Option<CutBy> {
 }
 
 /// Everything that may be missing or wrong beside a model.
-fn extensions(base: &Fit, settings: &DiagnosisSettings) -> Vec<Vec<Extension>> {
+fn extensions(base: &Fit, settings: &DiagnosisSettings) -> Vec<Group> {
     let mut all = effects(&base.hypothesis, settings);
     all.extend(statements(&base.hypothesis));
     all

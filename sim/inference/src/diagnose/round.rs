@@ -9,7 +9,7 @@ use super::Listener;
 use super::data::Data;
 use super::extension::Extension;
 use super::likelihood::{Features, Fit};
-use super::samples::{Sampled, Samples};
+use super::samples::{Sampled, Samples, promised};
 use super::screen::{Promise, Screened, beside};
 use super::search::{EFFORT, Point, steps};
 use super::verdict::{Odds, Round};
@@ -22,8 +22,12 @@ const MOST_FITTED: usize = 12;
 const BEHIND: f64 = 15.0;
 /// Tries of one effect that are fitted: a memory may be short or long.
 const TRIES: usize = 2;
-/// Candidates that are fitted to their end by features, and to all samples, by each of the two promises.
+/// Candidates that begin by the promise of all samples, at most.
 const MOST_SAMPLED: usize = 4;
+/// Candidates that are fitted to their end at a time: what the first come to tells by how much promises are exceeded.
+const HEAT: usize = 2;
+/// How often some are: a class of more than eight says nothing.
+const HEATS: usize = 4;
 /// Log odds within which two answers are one class: twenty to one.
 const CLASS: f64 = 3.0;
 /// A fit whose log evidence is so far below that of the model that it extends ended in a local minimum, and begins again.
@@ -31,17 +35,24 @@ const LOCAL_MINIMUM: f64 = 2.0;
 /// First steps of a candidate's fit by features.
 const FIRST_STEPS: usize = 4;
 
-/// A candidate that was fitted.
+/// A candidate of a round.
 pub struct Tried<'a> {
     pub extension: &'a Extension,
+    /// Where it is: after its first steps, or at its end.
     fit: Fit,
+    /// Whether features lead it, or all samples.
+    by_features: bool,
+    /// Log odds by all samples that the first steps promise.
+    promise: f64,
+    /// Whether it was fitted to its end, or cannot be.
+    is_ended: bool,
     pub sampled: Option<Sampled>,
     /// Log odds over the model before, by features and, where they were fitted, by all samples.
     features: f64,
     pub all: f64,
 }
 
-/// One round: the most promising candidates are fitted by features, and the best to all samples; the best first.
+/// One round: the most promising candidates take their first steps, and the best are fitted to all samples; the best first.
 pub fn round<'a>(
     data: &Data,
     base: &mut Sampled,
@@ -49,55 +60,29 @@ pub fn round<'a>(
     number: usize,
     listener: &dyn Listener,
 ) -> Vec<Tried<'a>> {
-    listener.doing(&format!("round {}: fits by features", number + 1));
+    listener.doing(&format!("round {number}: first steps"));
     let least = if base.may_be_noise(data.stated_repeats()) { 0 } else { LEAST_FITTED };
-    let mut tried: Vec<Tried> = leaders(screened, |own| own.by_features.as_ref(), least, MOST_FITTED)
+    let by_features = leaders(screened, |own| own.by_features.as_ref(), least, MOST_FITTED);
+    let mut tried: Vec<Tried> = by_features
         .into_par_iter()
         .filter_map(|(own, promise)| {
-            Some(Tried::of(base, &own.extension, first_steps(data, base, own, promise)?))
+            Tried::of(data, base, &own.extension, first_steps(data, base, own, promise)?, true)
         })
         .collect();
-    tried.sort_by(|a, b| b.features.total_cmp(&a.features));
-    let top = tried.first().map_or(0.0, |own| own.features);
-    tried.par_iter_mut().take(MOST_SAMPLED).filter(|own| top - own.features < BEHIND).for_each(|own| {
-        let (hypothesis, share) = (&own.fit.hypothesis, own.fit.share);
-        let found = Point::of(data, hypothesis, own.fit.at.z.clone())
-            .and_then(|start| Fit::by_features(data, hypothesis, start, share, EFFORT));
-        if let Some(found) = found {
-            *own = Tried::of(base, own.extension, found);
-        }
-    });
-    listener.doing(&format!("round {}: fits to all samples", number + 1));
-    tried.par_iter_mut().take(MOST_SAMPLED).filter(|own| own.features > 0.0).for_each(|own| {
-        own.sampled = Sampled::from(data, &own.fit);
-    });
     let variances = Samples::variances(data, &base.fit.at.seen);
     let direct = |(own, promise): (&'a Screened, &Promise)| {
         let hypothesis = Arc::new(own.extension.hypothesis.clone());
         let (start, slopes) = (&promise.start, promise.slopes());
         let near = steps(&Samples, data, &hypothesis, start, &slopes, &variances, FIRST_STEPS)?;
-        let fit = Fit::at(data, &hypothesis, Point::of(data, &hypothesis, near.z)?, promise.share);
-        let sampled = Sampled::from(data, &fit)?;
-        let tried = Tried::of(base, &own.extension, sampled.fit.clone());
-        Some(Tried { sampled: Some(sampled), ..tried })
+        Tried::of(data, base, &own.extension, Fit::at(data, &hypothesis, near, promise.share), false)
     };
     let by_samples = leaders(screened, |own| own.by_samples.as_ref(), least, MOST_SAMPLED);
-    let is_hopeful = |(_, promise): &(&Screened, &Promise)| promise.odds > 0.0;
-    // What came to more than was promised is there already.
-    let is_new = |(own, promise): &(&Screened, &Promise)| {
-        let of = |tried: &Tried| {
-            tried.sampled.as_ref().map(|found| found.evidence - base.evidence + own.extension.odds)
-        };
-        let is_there =
-            |tried: &Tried| tried.extension.name == own.extension.name && of(tried) >= Some(promise.odds);
-        !tried.iter().any(is_there)
-    };
-    let by_samples: Vec<_> = by_samples.into_iter().filter(is_new).collect();
-    tried.extend(by_samples.into_par_iter().filter(is_hopeful).filter_map(direct).collect::<Vec<_>>());
+    tried.extend(by_samples.into_par_iter().filter_map(direct).collect::<Vec<_>>());
+    listener.doing(&format!("round {number}: fits to all samples"));
+    race(data, base, &mut tried);
     again(data, base, &tried);
     for own in &mut tried {
-        own.all = own.sampled.as_ref().map_or(f64::NEG_INFINITY, |sampled| sampled.evidence) - base.evidence
-            + own.extension.odds;
+        own.all = own.sampled.as_ref().map_or(f64::NEG_INFINITY, |sampled| own.odds_of(base, sampled));
     }
     // Those that were not fitted to all samples stay behind.
     tried.sort_by(|a, b| b.all.total_cmp(&a.all).then(b.features.total_cmp(&a.features)));
@@ -109,6 +94,40 @@ pub fn round<'a>(
         is_new
     });
     tried
+}
+
+/// Fits those to their end that may come near the best, a few at a time. Others may come to as much more than they promise as those
+/// did of which the end is known; as long as none is, every one may come near.
+fn race(data: &Data, base: &Sampled, tried: &mut [Tried]) {
+    tried.sort_by(|a, b| b.promise.total_cmp(&a.promise));
+    let (mut best, mut rough) = (0.0_f64, f64::INFINITY);
+    for _ in 0..HEATS {
+        let ended: Vec<(&str, f64)> = tried
+            .iter()
+            .filter(|own| own.sampled.is_some())
+            .map(|own| (own.extension.name.as_str(), own.all))
+            .collect();
+        // Another try of an effect that came to more than this one promises is no use.
+        let is_there =
+            |own: &Tried| ended.iter().any(|(name, all)| *name == own.extension.name && *all >= own.promise);
+        let may_come_near = |own: &Tried| own.promise + rough > (best - BEHIND).max(0.0);
+        // Those that features cannot tell from their best are told by samples.
+        let by_features = tried.iter().map(|own| own.features).fold(CLASS, f64::max);
+        let is_chosen = |own: &Tried| {
+            !own.is_ended && !is_there(own) && (may_come_near(own) || own.features > by_features - CLASS)
+        };
+        let chosen: Vec<usize> = (0..tried.len()).filter(|k| is_chosen(&tried[*k])).take(HEAT).collect();
+        if chosen.is_empty() {
+            break;
+        }
+        let heat = tried.par_iter_mut().enumerate().filter(|(k, _)| chosen.contains(k));
+        heat.for_each(|(_, own)| own.finish(data, base));
+        for own in tried.iter().filter(|own| own.sampled.is_some()) {
+            let more = (own.all - own.promise).max(0.0);
+            rough = if rough.is_finite() { rough.max(more) } else { more };
+            best = best.max(own.all);
+        }
+    }
 }
 
 /// The first steps of a candidate's fit by features; from beside the model before where they are lost.
@@ -162,9 +181,43 @@ fn leaders(
 }
 
 impl<'a> Tried<'a> {
-    fn of(base: &Sampled, extension: &'a Extension, fit: Fit) -> Self {
+    /// After the first steps of its fit; none where the model that is linear there has no optimum.
+    fn of(
+        data: &Data,
+        base: &Sampled,
+        extension: &'a Extension,
+        fit: Fit,
+        by_features: bool,
+    ) -> Option<Self> {
         let features = fit.evidence - base.fit.evidence + extension.odds;
-        Self { extension, fit, sampled: None, features, all: f64::NEG_INFINITY }
+        let promise = promised(data, &fit)? - base.evidence + extension.odds;
+        let (is_ended, sampled, all) = (false, None, f64::NEG_INFINITY);
+        Some(Self { extension, fit, by_features, promise, is_ended, sampled, features, all })
+    }
+
+    /// Fits it to its end, by features first where these lead it.
+    fn finish(&mut self, data: &Data, base: &Sampled) {
+        self.is_ended = true;
+        let (hypothesis, share) = (&self.fit.hypothesis, self.fit.share);
+        let start = Point::of(data, hypothesis, self.fit.at.z.clone());
+        let fit = start.and_then(|start| {
+            if self.by_features {
+                Fit::by_features(data, hypothesis, start, share, EFFORT)
+            } else {
+                Some(Fit::at(data, hypothesis, start, share))
+            }
+        });
+        let Some(fit) = fit else { return };
+        self.sampled = Sampled::from(data, &fit);
+        let fit = self.sampled.as_ref().map_or(fit, |own| own.fit.clone());
+        self.features = fit.evidence - base.fit.evidence + self.extension.odds;
+        self.fit = fit;
+        self.all = self.sampled.as_ref().map_or(f64::NEG_INFINITY, |sampled| self.odds_of(base, sampled));
+    }
+
+    /// Log odds over the model before, by all samples.
+    fn odds_of(&self, base: &Sampled, sampled: &Sampled) -> f64 {
+        sampled.evidence - base.evidence + self.extension.odds
     }
 
     /// Whether it may be an answer: it was fitted to all samples, and the interval of its strengths together does not hold zero.

@@ -14,6 +14,7 @@ use super::data::{Comparison, Data};
 use super::hypothesis::Hypothesis;
 use super::likelihood::{Expanded, Fit, laplace};
 use super::search::{EFFORT, Likelihood, search};
+use super::slopes::{add, add_square, chosen, trace_of_product};
 use super::unknown::Unknown;
 use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
@@ -118,7 +119,7 @@ impl Likelihood for Samples {
     ) -> Vec<f64> {
         let (normals, squares) = (normals(seen), squares(&seen.samples.differences));
         let covariance = expanded(&normals, z, near).hessian.cholesky().map(|factors| factors.inverse());
-        let taken = |r: usize| covariance.as_ref().map_or(0.0, |covariance| covariance.dot(&normals[r].jj));
+        let taken = |r: usize| covariance.as_ref().map_or(0.0, |covariance| normals[r].taken(covariance));
         variances(&data.plans, &squares, taken)
     }
 
@@ -134,23 +135,39 @@ impl Samples {
     }
 }
 
-/// The normal equations of one release: with differences d and slopes J, `JᵀJ`, `Jᵀd` and `dᵀd`.
+/// The normal equations of one release: with differences d and slopes J, `JᵀJ`, `Jᵀd` and `dᵀd`, of the unknowns that act on it.
 pub struct Normal {
+    /// Places of these among all.
+    pub places: Vec<usize>,
     pub jj: DMatrix<f64>,
     pub jd: DVector<f64>,
     pub dd: f64,
 }
 
+impl Normal {
+    /// What the unknowns take up of the squares of the release, by their covariance.
+    fn taken(&self, covariance: &DMatrix<f64>) -> f64 {
+        trace_of_product(covariance, &self.places, &self.jj)
+    }
+}
+
 fn normals(seen: &Comparison) -> Vec<Normal> {
     let of = |r: usize| {
-        let difference = &seen.samples.differences[r];
+        let (difference, slopes) = (&seen.samples.differences[r], &seen.samples.slopes[r]);
         Normal {
+            places: slopes.places.clone(),
             jj: seen.squares[r].clone(),
-            jd: seen.samples.slopes[r].tr_mul(difference),
+            jd: slopes.matrix.tr_mul(difference),
             dd: difference.norm_squared(),
         }
     };
     (0..seen.squares.len()).map(of).collect()
+}
+
+/// Logarithm of the evidence that a fit promises by the slopes that it has.
+pub fn promised(data: &Data, fit: &Fit) -> Option<f64> {
+    let linear = linearised(&data.plans, &fit.hypothesis.unknowns, &normals(&fit.at.seen), &fit.at.z);
+    linear.map(|(_, _, evidence)| evidence)
 }
 
 /// Optimum, covariance and evidence of the model that is linear about `z`, with the misfit that it then has.
@@ -161,7 +178,10 @@ pub fn linearised(
     z: &DVector<f64>,
 ) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
     let squares = |step: &DVector<f64>| -> Vec<f64> {
-        let of = |own: &Normal| (own.dd + 2.0 * step.dot(&own.jd) + step.dot(&(&own.jj * step))).max(0.0);
+        let of = |own: &Normal| {
+            let step = chosen(step, &own.places);
+            (own.dd + 2.0 * step.dot(&own.jd) + step.dot(&(&own.jj * &step))).max(0.0)
+        };
         normals.iter().map(of).collect()
     };
     let mut step = DVector::zeros(z.len());
@@ -172,7 +192,7 @@ pub fn linearised(
         let factors = at.hessian.cholesky()?;
         step = -factors.solve(&at.gradient);
         let own = factors.inverse();
-        let next = self::variances(plans, &squares(&step), |r| own.dot(&normals[r].jj));
+        let next = self::variances(plans, &squares(&step), |r| normals[r].taken(&own));
         covariance = Some(own);
         let is_settled = Samples.is_settled(&variances, &next);
         variances = next;
@@ -181,8 +201,10 @@ pub fn linearised(
         }
     }
     let (optimum, rests) = (z + &step, squares(&step));
-    let rest =
-        |(own, dd): (&Normal, &f64)| Normal { jj: own.jj.clone(), jd: &own.jd + &own.jj * &step, dd: *dd };
+    let rest = |(own, dd): (&Normal, &f64)| {
+        let (places, jj) = (own.places.clone(), own.jj.clone());
+        Normal { jd: &own.jd + &jj * chosen(&step, &places), places, jj, dd: *dd }
+    };
     let there: Vec<Normal> = normals.iter().zip(&rests).map(rest).collect();
     let at = expanded(&there, &optimum, &variances);
     let cost = 0.5 * optimum.norm_squared() - likelihood(plans, &rests, &variances);
@@ -239,8 +261,8 @@ fn expanded(normals: &[Normal], z: &DVector<f64>, variances: &[f64]) -> Expanded
     for (own, variance) in normals.iter().zip(variances) {
         let weight = variance.recip();
         cost += 0.5 * weight * own.dd;
-        gradient += weight * &own.jd;
-        hessian += weight * &own.jj;
+        add(&mut gradient, &own.places, weight, &own.jd);
+        add_square(&mut hessian, &own.places, weight, &own.jj);
     }
     Expanded { cost, gradient, hessian }
 }
@@ -337,6 +359,7 @@ mod tests {
             let aside = DVector::from_fn(rows, |k, _| 2.0 * size * (0.011 * k as f64).cos());
             let difference = aside + &slopes * (z - DVector::from_vec(vec![0.7, -0.4]));
             Normal {
+                places: vec![0, 1],
                 jj: slopes.tr_mul(&slopes),
                 jd: slopes.tr_mul(&difference),
                 dd: difference.norm_squared(),
@@ -382,14 +405,19 @@ mod tests {
     fn the_variance_has_the_largest_evidence() {
         let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
         let plan = &plans[0];
-        let own = Normal { jj: DMatrix::identity(3, 3) * 1e-3, jd: DVector::zeros(3), dd: 0.0 };
+        let own = Normal {
+            places: vec![0, 1, 2],
+            jj: DMatrix::identity(3, 3) * 1e-3,
+            jd: DVector::zeros(3),
+            dd: 0.0,
+        };
         let square = 100.0 * coordinates(plan) * plan.noise.deviation.powi(2);
         let z = DVector::zeros(3);
         let normals = [own];
         let known = variances(&plans, &[square], |_| 0.0);
         let next = |own: Vec<f64>, _| {
             let covariance = expanded(&normals, &z, &own).hessian.try_inverse().unwrap();
-            variances(&plans, &[square], |r| covariance.dot(&normals[r].jj))
+            variances(&plans, &[square], |r| normals[r].taken(&covariance))
         };
         let settled = (0..50).fold(known.clone(), next);
         let evidence = |factor: f64| {

@@ -1,9 +1,13 @@
 //! The screen: which candidates are worth a fit, and where it begins.
 //!
-//! A candidate is tried at a few strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
-//! large one. The next tries are made where these lead to. Each is one run of the releases. From there the other unknowns
-//! respond by the slopes of the model before, and the strength by the secant from zero. The evidence of that linearised model
-//! ranks the candidates, by features and by all samples: features lead a model that is far off, and samples see what is small.
+//! How the recordings begin to move with the strength of each effect comes from one run of each release: a model that has all
+//! effects, off, and slopes by their strengths. From there the other unknowns respond by the slopes of the model before. The
+//! evidence of that linearised model ranks the candidates, by features and by all samples: features lead a model that is far off,
+//! and samples see what is small.
+//!
+//! Where the model before leaves more than noise, strengths are large, and friction, drag and memory are not linear in theirs.
+//! Then the strengths to which this leads are tried, each by one run of the releases, from which on the secant from zero takes the
+//! place of the slope; and so on.
 //!
 //! A model without an effect may bend what is stated far, a stiffness by 70 % where a mass is missing. The way back from there is
 //! long, so tries also begin at the priors' means.
@@ -15,21 +19,22 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::data::{Compared, Comparison, Data};
-use super::extension::Extension;
+use super::extension::{Extension, Group, all_off};
 use super::likelihood::{evidence, expand};
 use super::samples::{Normal, Sampled, linearised};
 use super::search::Point;
 use super::unknown::Unknown;
 
-/// Strengths that are tried first, prior standard deviations: a small one and one that is usual.
-const TRIED: [f64; 2] = [0.1, 1.0];
+/// Strengths that are tried, prior standard deviations: one that is usual, and a small one where slopes at zero cannot be had.
+const USUAL: f64 = 1.0;
+const SMALL: f64 = 0.1;
 /// By how much the next strength may differ: a secant is no guide over more than a decade.
 const FACTOR: f64 = 10.0;
 /// A strength within this factor of one that was tried needs no try of its own.
 const SAME: f64 = 2.0;
 /// Tries of a candidate from one origin.
 const TRIES: usize = 4;
-/// Longest step of another unknown, prior standard deviations.
+/// Longest step of an unknown, prior standard deviations.
 const LONGEST: f64 = 2.0;
 /// Strength from which a fit begins again, prior standard deviations.
 const LITTLE: f64 = 0.02;
@@ -60,6 +65,7 @@ pub struct Promise {
 /// One strength of a candidate from one origin: how it compares, with the slopes of the origin in the places of the extension
 /// and the secant of the strength, in each release in the place of the strength that acts on it.
 struct Try {
+    /// Zero: the secant is the slope there.
     strength: f64,
     /// Place of the strength of each release; none of a freed statement.
     places: Vec<Option<usize>>,
@@ -70,6 +76,20 @@ struct Try {
     wider: Vec<f64>,
     secants: Vec<DVector<f64>>,
     normals: Vec<Normal>,
+}
+
+/// How features and samples of each release move with a strength.
+#[derive(Clone)]
+struct Secants {
+    features: Vec<DVector<f64>>,
+    samples: Vec<DVector<f64>>,
+}
+
+/// Where tries begin.
+struct Origin<'a> {
+    at: &'a Point,
+    /// Slopes at zero of the strength of each group; none of a statement, and where they cannot be had.
+    slopes: Vec<Option<Secants>>,
 }
 
 /// Runs of one model at several strengths, each from one of the origins.
@@ -93,52 +113,129 @@ impl Runs {
     }
 }
 
-/// Screens extensions of a fit, of which those of a group are one model at equal strengths; tries begin at the fit and at other
-/// origins.
-pub fn screen(data: &Data, base: &Sampled, others: &[Point], groups: Vec<Vec<Extension>>) -> Vec<Screened> {
-    let screened = |group: Vec<Extension>| {
+/// Screens extensions of a fit; tries begin at the fit and at other origins.
+pub fn screen(data: &Data, base: &Sampled, others: &[Point], groups: Vec<Group>) -> Vec<Screened> {
+    let origins: Vec<Origin> =
+        std::iter::once(&base.fit.at).chain(others).map(|at| Origin::of(data, base, at, &groups)).collect();
+    let screened = |(g, group): (usize, Group)| {
         let mut runs = Runs::default();
-        let each = group.into_iter().map(|own| Screened::of(own, data, base, others, &mut runs));
+        let each =
+            group.extensions.into_iter().map(|own| Screened::of(own, data, base, &origins, g, &mut runs));
         each.collect::<Vec<_>>()
     };
-    groups.into_par_iter().flat_map_iter(screened).collect()
+    groups.into_par_iter().enumerate().flat_map_iter(screened).collect()
+}
+
+impl<'a> Origin<'a> {
+    /// Two tries of one effect cannot be in one model: there are as many models as an effect has tries at most.
+    fn of(data: &Data, base: &Sampled, at: &'a Point, groups: &[Group]) -> Self {
+        let mut models: Vec<Vec<usize>> = Vec::new();
+        for (g, group) in groups.iter().enumerate() {
+            let Some(candidate) = &group.candidate else { continue };
+            let has = |model: &[usize]| {
+                let names = model.iter().filter_map(|own| groups[*own].candidate.as_ref());
+                names.map(|own| own.name()).any(|name| name == candidate.name())
+            };
+            match models.iter_mut().find(|model| !has(model)) {
+                Some(model) => model.push(g),
+                None => models.push(vec![g]),
+            }
+        }
+        let hypothesis = &base.fit.hypothesis;
+        let (first, mut slopes) = (at.z.len(), vec![None; groups.len()]);
+        let of = |model: &Vec<usize>| {
+            let own: Vec<&Group> = model.iter().map(|g| &groups[*g]).collect();
+            let all = all_off(hypothesis, &own).ok()?;
+            let z = at.z.clone().resize_vertically(all.unknowns.len(), 0.0);
+            data.compare_by(&all, &z, &(first..z.len()))
+        };
+        for (model, seen) in models.iter().zip(models.par_iter().map(of).collect::<Vec<_>>()) {
+            let Some(seen) = seen else { continue };
+            for (k, g) in model.iter().enumerate() {
+                let of =
+                    |by: &Compared| by.slopes.iter().map(|own| own.by(first + k)).collect::<Option<Vec<_>>>();
+                let both = of(&seen.features).zip(of(&seen.samples));
+                slopes[*g] = both.map(|(features, samples)| Secants { features, samples });
+            }
+        }
+        Self { at, slopes }
+    }
 }
 
 impl Screened {
-    fn of(extension: Extension, data: &Data, base: &Sampled, others: &[Point], runs: &mut Runs) -> Self {
+    fn of(
+        extension: Extension,
+        data: &Data,
+        base: &Sampled,
+        origins: &[Origin],
+        group: usize,
+        runs: &mut Runs,
+    ) -> Self {
         let mut best = Self { extension, by_features: None, by_samples: None };
-        for origin in std::iter::once(&base.fit.at).chain(others).enumerate() {
-            if best.extension.strengths.is_empty() {
-                best.improve(data, base, origin, 0.0, runs);
-                continue;
+        let has_strength = !best.extension.strengths.is_empty();
+        let is_noise = base.may_be_noise(data.stated_repeats());
+        for (number, origin) in origins.iter().enumerate() {
+            let (mut made, mut wanted) = (Vec::<f64>::new(), VecDeque::new());
+            match &origin.slopes[group] {
+                Some(slopes) => {
+                    let seen = Comparison::clone(&origin.at.seen);
+                    let next = best.improve(data, base, origin.at, 0.0, seen, slopes.clone());
+                    wanted.extend(next.into_iter().flatten().chain([USUAL]).filter(|_| !is_noise));
+                }
+                None if has_strength => wanted.extend([SMALL, USUAL]),
+                None => {
+                    let seen = Comparison::clone(&origin.at.seen);
+                    let none = Secants::between(&seen, &seen, 1.0);
+                    best.improve(data, base, origin.at, 0.0, seen, none);
+                }
             }
             // The next are where features or samples lead to, unless one was there.
-            let (mut made, mut wanted) = (Vec::<f64>::new(), VecDeque::from(TRIED));
             while let Some(next) = wanted.pop_front().filter(|_| made.len() < TRIES) {
-                if !made.iter().any(|own| (1.0 / SAME..SAME).contains(&(next / own))) {
-                    made.push(next);
-                    wanted.extend(best.improve(data, base, origin, next, runs).into_iter().flatten());
+                if made.iter().any(|own| (1.0 / SAME..SAME).contains(&(next / own))) {
+                    continue;
+                }
+                made.push(next);
+                let own = &best.extension;
+                let run = || {
+                    data.compare_with(
+                        &own.hypothesis,
+                        &at_strength(base, origin.at, own, next),
+                        &origin.at.seen,
+                    )
+                };
+                match runs.at(number, next, run) {
+                    Some(here) => {
+                        let secants = Secants::between(&origin.at.seen, &here, next);
+                        wanted.extend(
+                            best.improve(data, base, origin.at, next, here, secants).into_iter().flatten(),
+                        );
+                    }
+                    None if next >= SMALL => wanted.push_back(next / FACTOR),
+                    None => {}
                 }
             }
         }
         best
     }
 
-    /// Tries a strength, and keeps what is better; the strengths that features and samples want then.
+    /// Tries a strength, and keeps what is better; the strengths that features and samples want then, if that promises anything: a power
+    /// of two, for extensions of a group share their runs.
     fn improve(
         &mut self,
         data: &Data,
         base: &Sampled,
-        origin: (usize, &Point),
+        origin: &Point,
         strength: f64,
-        runs: &mut Runs,
+        here: Comparison,
+        secants: Secants,
     ) -> [Option<f64>; 2] {
-        let Some(tried) = Try::of(data, base, origin, &self.extension, strength, runs) else {
-            return [(strength >= TRIED[0]).then_some(strength / FACTOR), None];
-        };
+        let tried = Try::of(base, origin, &self.extension, strength, here, secants);
         let (tried, extension) = (Arc::new(tried), &self.extension);
         let promises = [tried.by_features(data, base, extension), tried.by_samples(data, base, extension)];
-        let wanted = promises.each_ref().map(|own| own.as_ref().map(|own| own.strength));
+        let power = |strength: f64| strength.signum() * strength.abs().log2().round().exp2();
+        let is_hopeful = |own: &&Promise| own.odds > 0.0;
+        let wanted =
+            promises.each_ref().map(|own| own.as_ref().filter(is_hopeful).map(|own| power(own.strength)));
         for (best, own) in [&mut self.by_features, &mut self.by_samples].into_iter().zip(promises) {
             if own.as_ref().is_some_and(|own| best.as_ref().is_none_or(|best| own.odds > best.odds)) {
                 *best = own;
@@ -148,13 +245,25 @@ impl Screened {
     }
 }
 
+impl Secants {
+    /// Between a model without a strength and with it.
+    fn between(before: &Comparison, here: &Comparison, strength: f64) -> Self {
+        let of = |before: &Compared, here: &Compared| {
+            let both = here.differences.iter().zip(&before.differences);
+            both.map(|(here, before)| (here - before) / strength).collect()
+        };
+        Self { features: of(&before.features, &here.features), samples: of(&before.samples, &here.samples) }
+    }
+}
+
 impl Promise {
     /// How it compares at the try, with slopes in the places of the extension.
     pub fn slopes(&self) -> Comparison {
-        let Try { here, wider, secants, normals, places, z, .. } = &*self.tried;
+        let Try { here, wider, secants, normals, places, .. } = &*self.tried;
         let both = here.samples.slopes.iter().zip(secants).zip(places);
-        let slopes: Vec<_> =
-            both.map(|((slopes, secant), place)| extended(slopes, wider, *place, secant, z.len())).collect();
+        let slopes: Vec<_> = both
+            .map(|((slopes, secant), place)| slopes.extended(wider, place.map(|place| (place, secant))))
+            .collect();
         Comparison {
             features: here.features.clone(),
             samples: Compared { differences: here.samples.differences.clone(), slopes: slopes.into() },
@@ -165,42 +274,29 @@ impl Promise {
 
 impl Try {
     fn of(
-        data: &Data,
         base: &Sampled,
-        (number, origin): (usize, &Point),
+        origin: &Point,
         extension: &Extension,
         strength: f64,
-        runs: &mut Runs,
-    ) -> Option<Self> {
-        let mut z = beside(base, &origin.z, extension);
-        extension.strengths.iter().for_each(|place| z[*place] = strength);
-        let has_strength = !extension.strengths.is_empty();
+        mut here: Comparison,
+        secants: Secants,
+    ) -> Self {
+        let z = at_strength(base, origin, extension, strength);
         let acts_on =
             |u: &usize, r: usize| extension.hypothesis.unknowns[*u].acts.iter().any(|(own, _)| *own == r);
         let place = |r: usize| extension.strengths.iter().copied().find(|u| acts_on(u, r));
-        let places: Vec<_> = (0..data.plans.len()).map(place).collect();
-        let mut here = if has_strength {
-            let run = || data.compare_with(&extension.hypothesis, &z, &origin.seen);
-            runs.at(number, strength, run)?
-        } else {
-            Comparison::clone(&origin.seen)
-        };
+        let places: Vec<_> = (0..secants.samples.len()).map(place).collect();
         let wider = wider(base, extension);
-        let secants = |before: &Compared, here: &Compared| -> Vec<DVector<f64>> {
-            let both = here.differences.iter().zip(&before.differences);
-            both.map(|(here, before)| if has_strength { (here - before) / strength } else { here * 0.0 })
-                .collect()
-        };
-        let slopes = here.features.slopes.iter().zip(secants(&origin.seen.features, &here.features));
+        let slopes = here.features.slopes.iter().zip(&secants.features);
         let slopes: Vec<_> = slopes
             .zip(&places)
-            .map(|((slopes, secant), place)| extended(slopes, &wider, *place, &secant, z.len()))
+            .map(|((slopes, secant), place)| slopes.extended(&wider, place.map(|place| (place, secant))))
             .collect();
         here.features.slopes = slopes.into();
-        let secants = secants(&origin.seen.samples, &here.samples);
-        let normal = |r: usize| normal(&here, r, &wider, places[r], &secants[r], z.len());
+        let secants = secants.samples;
+        let normal = |r: usize| normal(&here, r, &wider, places[r], &secants[r]);
         let normals = (0..secants.len()).map(normal).collect();
-        Some(Self { strength, places, z, here, wider, secants, normals })
+        Self { strength, places, z, here, wider, secants, normals }
     }
 
     fn by_features(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
@@ -219,7 +315,8 @@ impl Try {
         self.promise(value - base.evidence, base.fit.share, optimum, &covariance, extension)
     }
 
-    /// The secant is good for strengths about its own: strengths stay near, and the others follow them.
+    /// The secant is good for strengths about its own, the slope at zero for those near zero: strengths stay there, and the others
+    /// follow them.
     fn promise(
         self: &Arc<Self>,
         odds: f64,
@@ -235,9 +332,10 @@ impl Try {
             return Some(Promise { start, share, odds, tried, strength: 0.0 });
         }
         let size = self.strength.abs();
+        let [least, most] = if size > 0.0 { [size / FACTOR, size * FACTOR] } else { [LITTLE, LONGEST] };
         let near = |place: usize| {
             let sign = if unknowns[place].is_half || optimum[place] > 0.0 { 1.0 } else { -1.0 };
-            sign * (optimum[place] * sign).clamp(size / FACTOR, size * FACTOR)
+            sign * (optimum[place] * sign).clamp(least, most)
         };
         let sizes: Vec<f64> = strengths.iter().map(|place| near(*place)).collect();
         let aside = DVector::from_fn(sizes.len(), |k, _| sizes[k] - optimum[strengths[k]]);
@@ -251,24 +349,6 @@ impl Try {
     }
 }
 
-/// Slopes of the model before in the places of an extension, with a secant in that of a strength.
-fn extended(
-    slopes: &DMatrix<f64>,
-    wider: &[f64],
-    place: Option<usize>,
-    secant: &DVector<f64>,
-    count: usize,
-) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(slopes.nrows(), count);
-    for (u, wider) in wider.iter().enumerate() {
-        all.column_mut(u).axpy(*wider, &slopes.column(u), 0.0);
-    }
-    if let Some(place) = place {
-        all.column_mut(place).copy_from(secant);
-    }
-    all
-}
-
 /// By how much the prior of each unknown of the model before is wider in an extension.
 fn wider(base: &Sampled, extension: &Extension) -> Vec<f64> {
     let both = base.fit.hypothesis.unknowns.iter().zip(&extension.hypothesis.unknowns);
@@ -276,29 +356,24 @@ fn wider(base: &Sampled, extension: &Extension) -> Vec<f64> {
 }
 
 /// Normal equations of all samples of a release in the places of an extension, with the secant of its strength.
-fn normal(
-    here: &Comparison,
-    r: usize,
-    wider: &[f64],
-    place: Option<usize>,
-    secant: &DVector<f64>,
-    count: usize,
-) -> Normal {
+fn normal(here: &Comparison, r: usize, wider: &[f64], place: Option<usize>, secant: &DVector<f64>) -> Normal {
     let (slopes, difference) = (&here.samples.slopes[r], &here.samples.differences[r]);
-    let wider = DVector::from_column_slice(wider);
-    let n = wider.len();
-    let (mut jj, mut jd) = (DMatrix::zeros(count, count), DVector::zeros(count));
-    let square = here.squares[r].component_mul(&(&wider * wider.transpose()));
-    jj.view_mut((0, 0), (n, n)).copy_from(&square);
-    jd.rows_mut(0, n).copy_from(&slopes.tr_mul(difference).component_mul(&wider));
+    let mut places = slopes.places.clone();
+    let wider = DVector::from_iterator(places.len(), places.iter().map(|place| wider[*place]));
+    let mut jj = here.squares[r].component_mul(&(&wider * wider.transpose()));
+    let mut jd = slopes.matrix.tr_mul(difference).component_mul(&wider);
     if let Some(place) = place {
-        let aside = slopes.tr_mul(secant).component_mul(&wider);
-        jj.view_mut((0, place), (n, 1)).copy_from(&aside);
-        jj.view_mut((place, 0), (1, n)).copy_from(&aside.transpose());
-        jj[(place, place)] = secant.norm_squared();
-        jd[place] = secant.dot(difference);
+        let n = places.len();
+        let aside = slopes.matrix.tr_mul(secant).component_mul(&wider);
+        (jj, jd) = (
+            jj.resize(n + 1, n + 1, secant.norm_squared()),
+            jd.resize_vertically(n + 1, secant.dot(difference)),
+        );
+        jj.view_mut((0, n), (n, 1)).copy_from(&aside);
+        jj.view_mut((n, 0), (1, n)).copy_from(&aside.transpose());
+        places.push(place);
     }
-    Normal { jj, jd, dd: difference.norm_squared() }
+    Normal { places, jj, jd, dd: difference.norm_squared() }
 }
 
 /// A point on the way from one to another, no unknown farther than the longest step, none of one sign below zero.
@@ -307,6 +382,13 @@ fn nearer(from: &DVector<f64>, to: &DVector<f64>, unknowns: &[Unknown]) -> DVect
         let step = (to[u] - from[u]).clamp(-LONGEST, LONGEST);
         if unknowns[u].is_half { (from[u] + step).max(0.0) } else { from[u] + step }
     })
+}
+
+/// A place of the model before, with the strengths of an extension.
+fn at_strength(base: &Sampled, origin: &Point, extension: &Extension, strength: f64) -> DVector<f64> {
+    let mut z = beside(base, &origin.z, extension);
+    extension.strengths.iter().for_each(|place| z[*place] = strength);
+    z
 }
 
 /// A place of the model before, with a little of the strengths.

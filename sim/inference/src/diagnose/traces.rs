@@ -11,6 +11,7 @@ use super::data::Data;
 use super::hypothesis::Hypothesis;
 use super::samples::variance;
 use super::search::Point;
+use super::slopes::add_square;
 
 /// Standard deviations by which two traces are separated, and from which on one is seen.
 pub const APART: f64 = 5.0;
@@ -54,10 +55,10 @@ impl Traces {
         for (r, plan) in data.plans.iter().enumerate() {
             let weight = counts[r] as f64 / variance(plan, misfit);
             let slopes = &at.seen.samples.slopes[r];
-            square += weight * &at.seen.squares[r];
+            add_square(&mut square, &slopes.places, weight, &at.seen.squares[r]);
             for (k, column) in columns.iter().enumerate() {
-                let mut mixed = mixed.column_mut(k);
-                mixed += weight * slopes.tr_mul(&column[r]);
+                let moved = slopes.matrix.tr_mul(&column[r]);
+                slopes.places.iter().zip(&moved).for_each(|(place, own)| mixed[(*place, k)] += weight * own);
                 for (l, other) in columns.iter().enumerate().take(k + 1) {
                     own[(k, l)] += weight * column[r].dot(&other[r]);
                     own[(l, k)] = own[(k, l)];
