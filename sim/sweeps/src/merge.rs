@@ -1,6 +1,5 @@
 //! All shards of a sweep as one table, and what it says over all points.
 
-use efam_core::quantile::quantile;
 use efam_store::StoreError;
 use efam_store::added;
 use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile, read};
@@ -74,7 +73,8 @@ pub struct Spread {
     pub points: usize,
     /// The least.
     pub least: Option<f64>,
-    /// The median, and the ends of the 95 % in the middle: of 4096 points evenly taken, where there are more.
+    /// The median, and the ends of the 95 % in the middle, between two points where none is there: of 4096 points evenly taken, where there
+    /// are more.
     pub median: Option<f64>,
     /// The lower one.
     pub low_95: Option<f64>,
@@ -302,9 +302,10 @@ impl<'a> View<'a> {
     fn finish(mut self) -> (Merged, Kept) {
         for (spread, cells) in self.spreads.iter_mut().zip(&self.kept.cells) {
             let Some(spread) = spread else { continue };
-            let all: Vec<f64> = cells.numbers().filter(|value| !value.is_nan()).collect();
+            let mut all: Vec<f64> = cells.numbers().filter(|value| !value.is_nan()).collect();
+            all.sort_by(f64::total_cmp);
             [spread.low_95, spread.median, spread.high_95] =
-                [0.025, 0.5, 0.975].map(|share| quantile(all.clone(), share));
+                [0.025, 0.5, 0.975].map(|share| between(&all, share));
         }
         self.reasons.sort_by_key(|reason| std::cmp::Reverse(reason.points));
         self.reasons.truncate(REASONS);
@@ -340,5 +341,25 @@ impl<'a> View<'a> {
             warnings,
         };
         (merged, self.kept)
+    }
+}
+
+/// The quantile of sorted values, on the line between its two neighbours: of few points neither is in the middle.
+fn between(sorted: &[f64], share: f64) -> Option<f64> {
+    let at = sorted.len().checked_sub(1)? as f64 * share;
+    let (low, high) = (sorted[at.floor() as usize], sorted[at.ceil() as usize]);
+    Some(low + at.fract() * (high - low))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_lies_between_two() {
+        let loads = [0.0, 40.0, 80.0, 120.0, 160.0, 200.0];
+        let found = [0.0, 0.025, 0.5, 1.0].map(|share| between(&loads, share));
+        assert_eq!(found, [0.0, 5.0, 100.0, 200.0].map(Some));
+        assert_eq!((between(&[7.0], 0.975), between(&[], 0.5)), (Some(7.0), None));
     }
 }
