@@ -4,7 +4,8 @@
 //! the file, and the exit code is not 0. Then the same command succeeds and tidies.
 //! Setup: the store's calls are counted in a debug build, and `EFAM_FAULT` says which one fails (`store/src/disk.rs`).
 //! The short test takes some calls of three commands; the long one every ninth of all commands, from the first that
-//! `EFAM_SEED` says, and with `EFAM_STRIKES=1` all. `EFAM_WORK=simulate,sweep` takes these commands alone.
+//! `EFAM_SEED` says, and with `EFAM_STRIKES=1` all. `EFAM_WORK=simulate,sweep` takes these commands alone, and
+//! `EFAM_WORK=diagnose--overwrite` the one with a name that is taken.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,7 +18,7 @@ use efam_store::folder::admit;
 
 use crate::bench::Bench;
 use crate::strangers::tree;
-use crate::work::{WORK, bench};
+use crate::work::{WORK, Work, bench};
 
 /// How a call is struck.
 const KINDS: [&str; 2] = ["fail", "kill"];
@@ -152,10 +153,11 @@ impl Case {
         match code {
             None => assert!(stderr.is_empty(), "{of}"),
             Some(0) => {
-                // The folder has its name by then, or names could not be exchanged and went aside one by one.
+                // The folder has its name by then, or names could not be exchanged, and it took the free name or went aside.
                 let is_folder = bench.0.join(at).is_dir();
-                let is_due =
-                    kind == "remove" || kind == "fsync" && is_folder || kind == "rename" && was_there;
+                let is_due = kind == "remove"
+                    || kind == "fsync" && is_folder
+                    || call == format!("rename {}", self.out);
                 assert!(is_due && is_whole(), "not noticed: {of}");
             }
             Some(_) => {
@@ -216,28 +218,27 @@ fn is_complete(bytes: &[u8], name: &str) -> bool {
     }
 }
 
-/// Every case of a command: with a free name, and with one that is taken.
-fn cases(
-    bench: &Bench,
-    arguments: &[&str],
-    out: &str,
-    at_once: bool,
-    count: &mut Counts,
-    every: u64,
-    kinds: &[&str],
-) {
+/// Whether `EFAM_WORK` takes a command, with a free name or with one that is taken.
+fn is_taken(only: &str, command: &str, overwrites: bool) -> bool {
+    let is_own = |own: &str| own == command || overwrites && own.strip_suffix("--overwrite") == Some(command);
+    only.is_empty() || only.split(',').any(is_own)
+}
+
+/// Every case of a command that `only` takes: with a free name, and with one that is taken.
+fn cases(bench: &Bench, work: &Work, only: &str, count: &mut Counts, every: u64, kinds: &[&str]) {
+    let (arguments, out) = (work.arguments, format!("out{}", work.ending));
     let begin = tree(&bench.0);
     let mut variants = vec![arguments.to_vec()];
     if !arguments.contains(&"--overwrite") {
         variants.push([arguments, &["--overwrite"]].concat());
     }
-    for (k, arguments) in variants.iter().enumerate() {
+    for (k, arguments) in variants.iter().enumerate().filter(|(k, _)| is_taken(only, arguments[0], *k == 1)) {
         restore(bench, &begin);
         if k == 1 {
-            let (code, _, stderr) = bench.run(&[&variants[0][..], &["-q", "--out", out]].concat());
+            let (code, _, stderr) = bench.run(&[&variants[0][..], &["-q", "--out", &out]].concat());
             assert_eq!(code, 0, "{stderr}");
         }
-        let case = Case::new(bench, arguments, out, at_once);
+        let case = Case::new(bench, arguments, &out, work.at_once);
         let (calls, struck) = case.struck(bench, every, kinds);
         println!("{:70} some {calls} calls, {struck} struck, 0 torn, 0 lost", arguments.join(" "));
         count.commands += 1;
@@ -253,9 +254,7 @@ fn some_calls_fail_and_nothing_is_torn_or_lost() {
     let mut count = Counts::default();
     let of = |words: &[&str]| WORK.iter().find(|work| work.arguments.starts_with(words)).expect("a command");
     for (words, every) in [(&["simulate"][..], 13), (&["export"], 5), (&["sweep"], 59)] {
-        let work = of(words);
-        let out = format!("out{}", work.ending);
-        cases(&bench, work.arguments, &out, work.at_once, &mut count, every, &KINDS[..1]);
+        cases(&bench, of(words), "", &mut count, every, &KINDS[..1]);
     }
     println!("{} commands x failure points: {} struck, 0 torn, 0 lost", count.commands, count.struck);
     assert!(count.struck >= 12, "{}", count.struck);
@@ -267,12 +266,8 @@ fn every_call_fails_and_nothing_is_torn_or_lost() {
     let only = std::env::var("EFAM_WORK").unwrap_or_default();
     // Several may run at one time, each with other commands.
     let bench = bench(&format!("struck-{only}"));
-    let is_asked = |word: &str| only.is_empty() || only.split(',').any(|own| own == word);
     let mut count = Counts::default();
-    for work in WORK.iter().filter(|work| is_asked(work.arguments[0])) {
-        let out = format!("out{}", work.ending);
-        cases(&bench, work.arguments, &out, work.at_once, &mut count, 9, &KINDS);
-    }
+    WORK.iter().for_each(|work| cases(&bench, work, &only, &mut count, 9, &KINDS));
     println!("{} commands x failure points: {} struck, 0 torn, 0 lost", count.commands, count.struck);
 }
 
