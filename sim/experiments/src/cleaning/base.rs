@@ -94,6 +94,8 @@ pub(super) struct Moving {
     turns: Path,
     /// Errors of place, m, and turn, rad: what its markers move against each other, a base does not.
     errors: [f64; 2],
+    /// The line of two markers, about which they show no turn.
+    line: Option<Vector3<f64>>,
     /// The same without the marker that moves most: what this marker alone shows is no motion of the base.
     others: Option<Box<Moving>>,
 }
@@ -111,12 +113,35 @@ impl Moving {
             let others = (0..markers.len()).filter(|k| Some(*k) != most).map(|k| markers[k].clone());
             Box::new(Self::of_markers(&others.collect::<Vec<_>>()))
         });
-        Self { place: centroid(markers), turns: turns(markers, None), errors: errors(markers), others }
+        let mean_of = |path: &Path| mean(path, 0..path.len()).map(Vector3::from);
+        let line = match markers {
+            [a, b] => mean_of(a).zip(mean_of(b)).and_then(|(a, b)| (b - a).try_normalize(0.0)),
+            _ => None,
+        };
+        Self { place: centroid(markers), turns: turns(markers, None), errors: errors(markers), line, others }
     }
 
     /// From a rigid body.
     pub fn of_body(position: &Path, orientation: &[Option<[f64; 4]>]) -> Self {
-        Self { place: position.clone(), turns: turns(&[], Some(orientation)), errors: [0.0; 2], others: None }
+        Self {
+            place: position.clone(),
+            turns: turns(&[], Some(orientation)),
+            errors: [0.0; 2],
+            line: None,
+            others: None,
+        }
+    }
+
+    /// Whether turns are about the line of two markers for the most part, so that these do not show them.
+    fn is_blind_to(&self, turns: &Path) -> bool {
+        let along = |line: Vector3<f64>| {
+            let square = |turn: &[f64; 3]| {
+                let turn = Vector3::from(*turn);
+                (turn.dot(&line).powi(2), turn.norm_squared())
+            };
+            turns.iter().flatten().map(square).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d))
+        };
+        self.line.map(along).is_some_and(|(along, whole)| along > 0.5 * whole)
     }
 
     /// How far the base is off a place, m, and turned, rad, in each sample; nothing where it does not move, or by less than a share
@@ -131,7 +156,12 @@ impl Moving {
         ];
         let Some(others) = &self.others else { return own };
         let Some(place) = mean(&others.place, 0..others.place.len()) else { return [None, None] };
-        let mut shown = others.followed(time, step, place, far).into_iter();
+        let mut shown = others.followed(time, step, place, far);
+        if own[1].is_some() && others.is_blind_to(&self.turns) {
+            // A turn moves them, however little; a marker that is loose leaves them at rest.
+            [shown[1], _] = others.followed(time, step, place, 0.0);
+        }
+        let mut shown = shown.into_iter();
         own.map(|own| shown.next().flatten().and(own))
     }
 }
@@ -387,6 +417,28 @@ mod tests {
             // Of 20 mm; a marker's noise on an arm of 0.05 m, over the smoothing, is 0.2 mm at 0.4 m.
             assert!(farthest < 1e-3, "{count} markers: {farthest} m");
         }
+    }
+
+    /// Two of three markers lie along the axis of the turn, 30 mm from it, and show no turn by themselves.
+    #[test]
+    fn a_turn_about_the_line_of_two_markers_is_followed() {
+        let time: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
+        let turn = |t: f64| UnitQuaternion::from_euler_angles(0.0, 0.03 * t / 8.0, 0.0);
+        let moved = |at: [f64; 3]| -> Path {
+            time.iter().map(|t| Some((turn(*t) * Vector3::from(at)).into())).collect()
+        };
+        let mut noise = crate::cleaning::tests::Noise::new(8);
+        let mut markers = [[-0.03, 0.02, 0.01], [-0.03, -0.02, 0.01], [-0.06, 0.0, 0.01]].map(moved);
+        markers.iter_mut().for_each(|path| noise.disturb(path, 5e-5));
+        let mut pose = of_markers(&markers).unwrap();
+        pose.follow(&time, &Moving::of_markers(&markers), 0.01, 0.45);
+        let mut fixed = moved([0.4, 0.0, 0.0]);
+        pose.take_off(&mut fixed);
+        let mean = crate::cleaning::cycles::mean(&fixed, 0..800).unwrap();
+        let off = fixed.iter().flatten().map(|at| crate::cleaning::distance(*at, mean));
+        let off = mean_square(off).sqrt();
+        // Of 3.5 mm. Its place moves by 0.4 mm, which is too little to be taken off.
+        assert!(off < 6e-4, "{off} m");
     }
 
     #[test]
