@@ -38,7 +38,7 @@ pub(super) enum Column {
 }
 
 /// What a coordinate without a unit of length is, if its name has one of these words: no position.
-const QUANTITIES: [&str; 44] = [
+const QUANTITIES: [&str; 45] = [
     "acc",
     "accel",
     "accelerometer",
@@ -50,6 +50,7 @@ const QUANTITIES: [&str; 44] = [
     "angular",
     "rate",
     "rates",
+    "v",
     "vel",
     "velocity",
     "speed",
@@ -268,6 +269,9 @@ mod tests {
             ("Y2", perhaps("2", 1, None)),
             ("markerZ", perhaps("marker", 2, None)),
             ("x_velocity", Column::Other),
+            ("v_x", Column::Other),
+            ("v_x_mm", at("v", 0, Some(Length::Millimetre))),
+            ("a_x", at("a", 0, None)),
             ("index", Column::Other),
             ("MAX", Column::Other),
             ("s", Column::Other),

@@ -136,7 +136,7 @@ impl Draft {
         let Clock { mut rate_hz, mut time } = stated.clock(options.rate_hz, &place, &mut findings)?;
         findings.extend(met);
 
-        findings.extend(lost::mask_zeros(&mut markers));
+        findings.extend(lost::mask_codes(&mut markers));
         if let Some((fresh, others)) = repeats::find(&markers, &mut findings) {
             findings.push(repeats::leave_out(&fresh, others, &mut time, &mut markers));
             rate_hz = clock::rate_of(&time);

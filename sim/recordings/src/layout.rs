@@ -57,6 +57,8 @@ struct Tally {
     zero: usize,
     short: usize,
     first_short: u64,
+    /// Cells of the longest row that is too short.
+    most: usize,
     off_unit: usize,
     unlikely: usize,
     words: usize,
@@ -143,6 +145,7 @@ impl Layout {
             if rows.width() < width {
                 tally.short += 1;
                 tally.first_short = if tally.short == 1 { line } else { tally.first_short };
+                tally.most = tally.most.max(rows.width());
             }
             self.row(rows, line, &mut numbers, &mut draft, &mut tally)?;
             // A whole row has a byte or more for each point; so memory follows from the file's length.
@@ -154,6 +157,12 @@ impl Layout {
         }
         if draft.places.is_empty() {
             return Err(RecordingProblem::HeaderOnly { line: header_line });
+        }
+        let is_table = self.format == Format::Tidy;
+        if let Some(names) = self.width.filter(|_| is_table && tally.short == draft.places.len()) {
+            // No row has a cell for the last name, so any name may be over another's cells.
+            let (line, cells) = (tally.first_short, tally.most);
+            return Err(RecordingProblem::Cells { line, cells, header: header_line, names });
         }
         draft.findings.extend(numbers.finding()?);
         self.say(&tally, &mut draft);

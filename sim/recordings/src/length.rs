@@ -29,7 +29,12 @@ const LENGTHS: [(Length, &str, f64, &[&str]); 6] = [
     (Length::Metre, "m", 1.0, &["meter", "meters", "metre", "metres"]),
     (Length::Centimetre, "cm", 1e-2, &["centimeter", "centimeters", "centimetre", "centimetres"]),
     (Length::Millimetre, "mm", 1e-3, &["millimeter", "millimeters", "millimetre", "millimetres"]),
-    (Length::Micrometre, "um", 1e-6, &["µm", "μm", "micrometer", "micrometers", "micrometre", "micrometres"]),
+    (
+        Length::Micrometre,
+        "um",
+        1e-6,
+        &["µm", "μm", "micrometer", "micrometers", "micrometre", "micrometres", "micron", "microns"],
+    ),
     (Length::Inch, "in", 0.0254, &["inch", "inches"]),
     (Length::Foot, "ft", 0.3048, &["foot", "feet"]),
 ];
@@ -160,9 +165,14 @@ mod tests {
 
     #[test]
     fn words_of_all_systems_are_known() {
-        for (word, metres) in
-            [("mm", 1e-3), ("Meters", 1.0), (" MM ", 1e-3), ("Inches", 0.0254), ("µm", 1e-6)]
-        {
+        for (word, metres) in [
+            ("mm", 1e-3),
+            ("Meters", 1.0),
+            (" MM ", 1e-3),
+            ("Inches", 0.0254),
+            ("µm", 1e-6),
+            ("micron", 1e-6),
+        ] {
             assert_eq!(Length::named(word).map(Length::metres), Some(metres), "{word}");
         }
         assert_eq!(Length::named("deg"), None);

@@ -3,8 +3,8 @@
 //! Programs that follow points in pictures repeat the last place, or the first, while they have none. A marker at rest
 //! repeats its place too, but leaves it no faster than it moves later.
 //!
-//! Programs write 0, 0, 0 for a point that they lost. A marker that moves through the origin is there by the way it
-//! moves; one that jumps to it from afar and back is not.
+//! Programs write 0, 0, 0 for a point that they lost, or another number for every coordinate, such as -9999. A marker that
+//! moves through such a place is there by the way it moves; one that jumps to it from afar and back is not.
 
 use std::ops::Range;
 
@@ -13,29 +13,44 @@ use efam_core::quantile::quantile;
 use super::Marker;
 use super::names::some;
 
-/// Times a marker's usual largest step, from which on a jump to the origin is none that it moved.
+/// Times a marker's usual largest step, from which on a jump to such a place is none that it moved.
 const JUMP: f64 = 3.0;
 /// Share of the steps that are usual.
 const USUAL: f64 = 0.95;
 
-/// Empties positions of exactly 0, 0, 0 beside which the marker is far away; says where.
-pub(super) fn mask_zeros(markers: &mut [Marker]) -> Option<String> {
-    let (mut masked, mut names) = (0, Vec::new());
+/// Empties positions of one number for every coordinate beside which the marker is far away; says where.
+pub(super) fn mask_codes(markers: &mut [Marker]) -> Option<String> {
+    let (mut masked, mut names, mut numbers) = (0, Vec::new(), Vec::new());
     for marker in markers {
-        let zeros = zeros(&marker.position);
-        if !zeros.is_empty() {
-            masked += zeros.len();
+        let Some(code) = code(&marker.position) else { continue };
+        let lost = jumps_to(code, &marker.position);
+        if !lost.is_empty() {
+            masked += lost.len();
             names.push(marker.name.clone());
-            zeros.into_iter().for_each(|i| marker.position[i] = None);
+            numbers.push(if code == [0.0; 3] {
+                "0, 0, 0".to_owned()
+            } else {
+                format!("{} m along each axis", code[2])
+            });
+            lost.into_iter().for_each(|i| marker.position[i] = None);
         }
     }
+    numbers.dedup();
     (masked > 0).then(|| {
         format!(
-            "{masked} times a marker stood at exactly 0, 0, 0, far from where it was before and after; it counts as \
-             lost: {}",
+            "{masked} times a marker stood at exactly {}, far from where it was before and after; it counts as lost: {}",
+            numbers.join(" or "),
             some(&names)
         )
     })
+}
+
+/// The place with one number for x and z, and for y unless the file has none, at which a marker is most often.
+fn code(position: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
+    let is_code = |[x, y, z]: &[f64; 3]| x == z && (y == x || *y == 0.0);
+    let mut codes: Vec<[f64; 3]> = position.iter().flatten().copied().filter(is_code).collect();
+    codes.sort_by(|a, b| a[2].total_cmp(&b[2]).then(a[1].total_cmp(&b[1])));
+    codes.chunk_by(|a, b| a == b).max_by_key(|equal| equal.len()).map(|equal| equal[0])
 }
 
 /// Equal places in a row that may be a repetition.
@@ -88,23 +103,23 @@ fn repeated(position: &[Option<[f64; 3]>]) -> Vec<Range<usize>> {
     runs.into_iter().filter(is_leap).map(|(run, _)| run).collect()
 }
 
-fn zeros(position: &[Option<[f64; 3]>]) -> Vec<usize> {
-    let size = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
+/// Samples at a place beside which the marker is far from it.
+fn jumps_to(code: [f64; 3], position: &[Option<[f64; 3]>]) -> Vec<usize> {
+    let apart = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
     let steps = position.windows(2).filter_map(|pair| {
         let (a, b) = (pair[0]?, pair[1]?);
-        let moved: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
-        (a != [0.0; 3] && b != [0.0; 3]).then_some(size(moved))
+        (a != code && b != code).then_some(apart(a, b))
     });
     let Some(usual) = quantile(steps.collect(), USUAL) else { return Vec::new() };
     let seen = || position.iter().enumerate().filter_map(|(i, at)| Some((i, (*at)?)));
-    // Places off the origin, and whether they are far from it: there are some, since there are steps.
+    // Other places, and whether they are far from it: there are some, since there are steps.
     let places: Vec<(usize, bool)> =
-        seen().filter(|(_, at)| *at != [0.0; 3]).map(|(i, at)| (i, size(at) > JUMP * usual)).collect();
+        seen().filter(|(_, at)| *at != code).map(|(i, at)| (i, apart(at, code) > JUMP * usual)).collect();
     let is_lost = |i: &usize| {
         let next = places.partition_point(|(place, _)| place < i);
         places[next.saturating_sub(1)..(next + 1).min(places.len())].iter().all(|(_, is_far)| *is_far)
     };
-    seen().filter(|(_, at)| *at == [0.0; 3]).map(|(i, _)| i).filter(is_lost).collect()
+    seen().filter(|(_, at)| *at == code).map(|(i, _)| i).filter(is_lost).collect()
 }
 
 #[cfg(test)]
@@ -138,17 +153,25 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_to_the_origin_is_a_loss_and_a_way_through_it_is_none() {
+    fn a_jump_to_one_number_is_a_loss_and_a_way_through_it_is_none() {
+        let lost_of = |position: &[Option<[f64; 3]>]| {
+            code(position).map_or(Vec::new(), |code| jumps_to(code, position))
+        };
         let far: Vec<_> = (0..40).map(|k| Some([0.4 + 1e-3 * f64::from(k % 5), 0.0, 0.01])).collect();
-        let mut lost = far.clone();
-        [0, 1, 17, 18, 39].into_iter().for_each(|i| lost[i] = Some([0.0; 3]));
-        assert_eq!(zeros(&lost), [0, 1, 17, 18, 39]);
-        // A swing about the origin, in whole millimetres, which rests there.
+        // Without a y in the file, y is 0.
+        for code in [[0.0; 3], [-9.999; 3], [99.0, 0.0, 99.0]] {
+            let mut lost = far.clone();
+            [0, 1, 17, 18, 39].into_iter().for_each(|i| lost[i] = Some(code));
+            assert_eq!(lost_of(&lost), [0, 1, 17, 18, 39], "{code:?}");
+        }
+        // A swing about the origin, in whole millimetres, which rests there, and one along x = z.
         let swing =
             |k: i32| (20.0 * (0.3 * f64::from(k)).cos() * (-0.05 * f64::from(k)).exp()).round() * 1e-3;
         let through: Vec<_> = (0..200).map(|k| Some([0.0, 0.0, swing(k)])).collect();
         assert!(through.iter().filter(|at| **at == Some([0.0; 3])).count() > 50);
-        assert_eq!(zeros(&through), [0; 0]);
-        assert_eq!(zeros(&vec![Some([0.0; 3]); 9]), [0; 0]);
+        assert_eq!(lost_of(&through), [0; 0]);
+        let along: Vec<_> = (0..200).map(|k| Some([1.0 + swing(k), 0.0, 1.0 + swing(k)])).collect();
+        assert_eq!(lost_of(&along), [0; 0]);
+        assert_eq!(lost_of(&vec![Some([0.0; 3]); 9]), [0; 0]);
     }
 }

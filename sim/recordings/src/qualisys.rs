@@ -34,8 +34,9 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         keys.insert(cells.concat(), values);
     }
     let number = |key: &str| in_header(keys.get(key)?.first()?);
-    let included = keys.get("DATA_INCLUDED").and_then(|values| values.first()).map_or("3D", String::as_str);
-    if included != "3D" || keys.contains_key("BODY_NAMES") {
+    let usual = if keys.contains_key("BODY_NAMES") { "6D" } else { "3D" };
+    let included = keys.get("DATA_INCLUDED").and_then(|values| values.first()).map_or(usual, String::as_str);
+    if included != "3D" || usual != "3D" {
         let what = format!("{included} data of Qualisys");
         return Err(RecordingProblem::NotRead { what, remedy: "export 3D data of markers as TSV, or C3D" });
     }

@@ -18,7 +18,7 @@ use std::path::Path;
 
 use super::Recording;
 use super::cells::{Rows, is_label};
-use super::column::{AXES, Column, body, column};
+use super::column::{AXES, Column, body, column, words};
 use super::draft::{Draft, ReadOptions, Unit};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::Format;
@@ -239,6 +239,7 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
     let mut columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
     quaternions(&mut columns);
     decide(&mut columns);
+    derived(names, &mut columns);
     let with_unit = columns.iter().zip(names).filter_map(|(column, name)| match column {
         Column::Position { unit: Some(unit), .. } => Some((name.as_str(), *unit)),
         _ => None,
@@ -333,6 +334,19 @@ fn quaternions(columns: &mut [Column]) {
         };
         if let Some((body, part)) = part.filter(|(own, _)| bodies.contains(own)) {
             *column = Column::Orientation { body, part };
+        }
+    }
+}
+
+/// Beside a velocity `v_x`, `a_x` is an acceleration and `p_x` a momentum, as Tracker writes them, unless they are lengths.
+fn derived(names: &[String], columns: &mut [Column]) {
+    if !names.iter().any(|name| words(name).first().is_some_and(|word| word == "v")) {
+        return;
+    }
+    for column in columns {
+        if matches!(&*column, Column::Position { marker, unit: None, .. } if ["a", "p"].contains(&marker.as_str()))
+        {
+            *column = Column::Other;
         }
     }
 }

@@ -127,6 +127,27 @@ fn files_of_other_programs_are_named() {
     }
     let ragged = read("x_m,z_m\n1,0.4,0\n2,0.4,0.1\n").unwrap_err();
     assert!(ragged.contains("line 2 has 3 cells, and line 1 names 2 columns"), "{ragged}");
+    // A name too many, so that each of the others is over its neighbour's cells, and times are read as frames.
+    for names in ["frame,t_s,x_mm,z_mm", "t_s,note,x_mm,z_mm"] {
+        let off = read(&format!("{names}\n0.00,1,4\n0.01,2,5\n0.02,3,6\n")).unwrap_err();
+        assert!(off.contains("line 2 has 3 cells, and line 1 names 4 columns"), "{off}");
+    }
+    // The last name is of a column that is not read.
+    assert_eq!(read("t_s,x_mm,z_mm,note\n0.00,1,4\n0.01,2,5\n").unwrap().time.len(), 2);
+}
+
+/// Tracker's own names of what it derives: none is a marker, and beside them x and y are the one that there is.
+#[test]
+fn what_is_derived_is_no_marker() {
+    let rows = "mass A\nt,x,y,v_x,v_y,a_x,a_y,p_x,p_y\n0,1,2,0.1,0.2,0.3,0.4,0.5,0.6\n0.04,1,2,0.1,0.2,0.3,0.4,0.5,0.6\n";
+    let metres = ReadOptions { unit: Some(Length::Metre), ..ReadOptions::default() };
+    let names = |text: &str| -> Vec<String> {
+        let recording = read_with(text, &metres).unwrap();
+        recording.markers.iter().map(|marker| marker.name.clone()).collect()
+    };
+    assert_eq!(names(rows), ["mass A"]);
+    // Without a velocity beside it, a marker may be called so.
+    assert_eq!(names("t,a_x,a_z,p_x,p_z\n0,1,2,3,4\n0.04,1,2,3,4\n"), ["a", "p"]);
 }
 
 /// A time of day with a date, a zone, AM or PM, and over midnight: steps of 10 ms. One without a unit whose steps are whole
