@@ -72,6 +72,13 @@ fn one<'a>(
 /// two are 45 degrees from it.
 const FEW_SAMPLES: f64 = 8.0;
 
+/// Samples of a period below which a swing of at most twice the frequency looks the same.
+const FEWEST_SAMPLES: f64 = 3.0;
+
+/// Share of the tip's distance from the clamp by which a fit may miss its rest: a clamp that leans by six degrees more than
+/// stated takes the tip as far.
+const FAR_FROM_REST: f64 = 0.1;
+
 /// A release by itself, and its rest. The rest is first the mean of a window, then where the decay leads.
 pub fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<RestEstimate>) {
     let first = measured::analyse(&of.release, of.statistics.rest);
@@ -206,6 +213,7 @@ impl Analysed<'_> {
     pub fn warnings(&self) -> Vec<String> {
         let mut words: Vec<String> = self.rest_warning().into_iter().collect();
         words.extend(self.no_beam.as_ref().map(|why| format!("Euler-Bernoulli: {why}")));
+        words.extend(self.no_rest());
         match &self.measured {
             Err(error) => words.push(error.to_string()),
             Ok(measured) => {
@@ -228,9 +236,32 @@ impl Analysed<'_> {
     pub fn few_samples(&self) -> Option<String> {
         let samples = self.measured.as_ref().ok()?.samples_in_a_period()?;
         (samples < FEW_SAMPLES).then(|| {
+            // Sampled so, a swing that is as much faster than half the rate as this is slower looks the same.
+            let alias = 1.0 / self.measured.as_ref().map_or(f64::NAN, |measured| measured.bridged.step)
+                * (1.0 - 1.0 / samples);
+            let alias = if samples < FEWEST_SAMPLES {
+                format!(", and a swing of {alias:.3} Hz would look the same")
+            } else {
+                String::new()
+            };
             format!(
                 "only {samples:.1} samples in a period, and upper peaks need {FEW_SAMPLES}: the damping ratio may be off by more \
-                 than its error; record at a higher rate"
+                 than its error{alias}; record at a higher rate"
+            )
+        })
+    }
+
+    /// That no EI puts the tip where it rests, in words.
+    pub fn no_rest(&self) -> Option<String> {
+        let fits =
+            self.at_rest.iter().filter_map(|row| row.gauss_newton.as_ref().or(row.nelder_mead.as_ref()).ok());
+        let off = fits.map(|fit| fit.residual[0].hypot(fit.residual[1])).reduce(f64::min)?;
+        let [x, z] = self.tip_at_rest();
+        (off > FAR_FROM_REST * x.hypot(z)).then(|| {
+            format!(
+                "no EI puts the tip where it rests: the nearest leaves {:.0} mm; check up and clamp in [[recording]], \
+                 rod.base_angle and rod.length",
+                1e3 * off
             )
         })
     }

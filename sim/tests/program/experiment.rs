@@ -284,6 +284,40 @@ fn what_is_wrong_with_a_recording_is_said() {
     }
 }
 
+/// A laser sees one coordinate, from which no EI follows; and a swing of 1.4 Hz, seen 2.5 times in a period, looks like one
+/// of 2.1 Hz.
+#[test]
+fn an_analysis_says_what_one_coordinate_and_few_samples_do_not_show() {
+    let bench = Bench::new("analyse-little");
+    bench.file("truth.toml", &crate::calibrate::scenario());
+    bench.json(&["simulate", "truth.toml", "--csv", "--json", "--out", "truth"]);
+    let run = crate::calibrate::simulated(&bench.text("truth/trajectory.csv"));
+    let hold = (0..100).map(|k| [0.01 * f64::from(k), run[0][1], run[0][2]]);
+    let all: Vec<[f64; 3]> = hold.chain(run.iter().map(|[t, x, z]| [t + 1.0, *x, *z])).collect();
+    let table = |names: &str, every: usize, row: fn(&[f64; 3]) -> String| {
+        all.iter().step_by(every).fold(format!("{names}\n"), |text, own| text + &row(own))
+    };
+    let experiment = "[muscle]\nname = \"garbulinski-2022\"\n[[recording]]\nfile = \"15psi.csv\"\npressure = \"15 psi\"\n\
+         tip = \"tip\"\nup = \"+z\"\nalong = \"+x\"\n";
+    let said = |text: &str, experiment: &str| {
+        bench.file("15psi.csv", text);
+        bench.file("e.toml", experiment);
+        let (code, stdout, stderr) =
+            bench.run(&["analyse", "e.toml", "--nodes", "16", "--out", "out", "--overwrite"]);
+        assert_eq!(code, 0, "{stderr}");
+        stdout.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let no_rest = "no EI puts the tip where it rests";
+    let whole = |[t, x, z]: &[f64; 3]| format!("{t:.4},{x},{z}\n");
+    let right = said(&table("t_s,tip_x_m,tip_z_m", 1, whole), experiment);
+    assert!(!right.contains(no_rest) && !right.contains("would look the same"), "{right}");
+    let laser = said(&table("t_s,tip_z_m", 1, |[t, _, z]| format!("{t:.4},{z}\n")), experiment);
+    assert!(laser.contains(no_rest), "{laser}");
+    let few =
+        said(&table("t_s,tip_x_m,tip_z_m", 29, whole), &format!("{experiment}instants = [\"0.87 s\"]\n"));
+    assert!(few.contains("samples in a period") && few.contains("would look the same"), "{few}");
+}
+
 /// Six releases of 8 s, three of them 25 degrees down: what is left of the swing is said, and the paper's beam, which is
 /// clamped level, is fitted to the level ones alone.
 #[test]

@@ -191,6 +191,9 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         table.row([name, ei(fits.0), ei(fits.1), error, off, counts]);
     }
     write!(out, "{table}")?;
+    if let Some(warning) = one.no_rest() {
+        writeln!(out, "    warning: {warning}")?;
+    }
     if let Some([_, z]) = unmodified {
         let text = "without the walk along its curve (unmodified in the paper)";
         let measured = 1e3 * one.tip_at_rest()[1];
