@@ -27,11 +27,9 @@ pub(super) fn mask_codes(markers: &mut [Marker]) -> Option<String> {
         if !lost.is_empty() {
             masked += lost.len();
             names.push(marker.name.clone());
-            numbers.push(if code == [0.0; 3] {
-                "0, 0, 0".to_owned()
-            } else {
-                format!("{} m along each axis", code[2])
-            });
+            // In the file's own unit.
+            let number = |x: f64| if x.abs() < 1e9 { (x + 0.0).to_string() } else { format!("{x:e}") };
+            numbers.push(code.map(number).join(", "));
             lost.into_iter().for_each(|i| marker.position[i] = None);
         }
     }

@@ -340,7 +340,7 @@ fn quaternions(columns: &mut [Column]) {
 
 /// Beside a velocity `v_x`, `a_x` is an acceleration and `p_x` a momentum, as Tracker writes them, unless they are lengths.
 fn derived(names: &[String], columns: &mut [Column]) {
-    if !names.iter().any(|name| words(name).first().is_some_and(|word| word == "v")) {
+    if !names.iter().any(|name| words(name).iter().any(|word| word == "v")) {
         return;
     }
     for column in columns {

@@ -146,6 +146,7 @@ fn what_is_derived_is_no_marker() {
         recording.markers.iter().map(|marker| marker.name.clone()).collect()
     };
     assert_eq!(names(rows), ["mass A"]);
+    assert_eq!(names(&rows.replace("v_", "tip_v_")), ["mass A"]);
     // Without a velocity beside it, a marker may be called so.
     assert_eq!(names("t,a_x,a_z,p_x,p_z\n0,1,2,3,4\n0.04,1,2,3,4\n"), ["a", "p"]);
 }

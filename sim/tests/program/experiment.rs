@@ -289,7 +289,7 @@ fn what_is_wrong_with_a_recording_is_said() {
 #[test]
 fn an_analysis_says_what_one_coordinate_and_few_samples_do_not_show() {
     let bench = Bench::new("analyse-little");
-    bench.file("truth.toml", &crate::calibrate::scenario());
+    bench.file("truth.toml", &crate::calibrate::scenario().replace("3 s", "9 s"));
     bench.json(&["simulate", "truth.toml", "--csv", "--json", "--out", "truth"]);
     let run = crate::calibrate::simulated(&bench.text("truth/trajectory.csv"));
     let hold = (0..100).map(|k| [0.01 * f64::from(k), run[0][1], run[0][2]]);

@@ -157,7 +157,7 @@ impl Case {
                 let is_folder = bench.0.join(at).is_dir();
                 let is_due = kind == "remove"
                     || kind == "fsync" && is_folder
-                    || call == format!("rename {}", self.out);
+                    || kind == "rename" && bench.0.join(at) == out;
                 assert!(is_due && is_whole(), "not noticed: {of}");
             }
             Some(_) => {

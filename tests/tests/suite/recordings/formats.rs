@@ -198,6 +198,9 @@ fn qualisys_with_and_without_a_line_of_columns() {
     let recording = read(zeros, "a.tsv");
     is_the_swing(&recording, Format::Qualisys, ["tip", "base"]);
     says(&recording, "2 times a marker stood at exactly 0, 0, 0");
+    let codes = read(with.replace("nan", "-9999.000"), "a.tsv");
+    is_the_swing(&codes, Format::Qualisys, ["tip", "base"]);
+    says(&codes, "2 times a marker stood at exactly -9999, -9999, -9999");
     says(
         &read(with.replace("NO_OF_FRAMES\t8", "NO_OF_FRAMES\t900"), "a.tsv"),
         "the header states 900 samples, the file has 8",
