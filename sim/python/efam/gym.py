@@ -26,11 +26,27 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
+_LAG = "effects.pressure_line.time_constant"
+
+
 class _Task:
     """What is to be done, for one rod or many."""
 
-    def __init__(self, scenario: Source, lowest: float, highest: float, dt: float, steps: int) -> None:
-        self.model = model_of(scenario)
+    def __init__(
+        self,
+        scenario: Source,
+        lowest: float,
+        highest: float,
+        dt: float,
+        steps: int,
+        lag: float,
+        accuracy: Optional[str],
+    ) -> None:
+        options: Any = {} if accuracy is None else {"run.accuracy": accuracy}
+        model = model_of(scenario)
+        if lag > 0 and _LAG not in model.parameters:
+            options[_LAG] = lag
+        self.model = model.replace(**options)
         self.lowest, self.highest, self.dt, self.steps = lowest, highest, dt, steps
         self.action_space = spaces.Box(-1.0, 1.0, (1,), np.float64)
         # Far more than a tip of a muscle can reach.
@@ -56,7 +72,11 @@ class _Task:
 
 
 class TipControl(Env[Floats, Floats]):
-    """The action, from -1 to 1, is the pressure, from the lowest to the highest; it is held for `dt`.
+    """The action, from -1 to 1, is the commanded pressure, from the lowest to the highest; it is held for `dt`.
+
+    A regulator follows the command with the time constant `lag`, s, if the scenario has no `pressure_line` of its own. With
+    `lag=0` the pressure jumps, and with it the length of the rod: such a shock shakes it in a way that no mesh resolves.
+    `accuracy` chooses mesh and tolerance, for the path of the tip; None keeps those of the scenario.
 
     Seen are the place of the tip in m, its velocity in m/s, the last action, and the place where it should be. That is the
     rest at a pressure which each episode draws; `reset(options={"target": 2e5})` says it, and all other options are those of
@@ -71,8 +91,10 @@ class TipControl(Env[Floats, Floats]):
         highest: float = 4e5,
         dt: float = 0.01,
         steps: int = 500,
+        lag: float = 0.05,
+        accuracy: Optional[str] = "0.1 mm",
     ) -> None:
-        self._task = _Task(scenario, lowest, highest, dt, steps)
+        self._task = _Task(scenario, lowest, highest, dt, steps, lag, accuracy)
         self.action_space = self._task.action_space
         self.observation_space = self._task.observation_space
 
@@ -114,8 +136,10 @@ class TipControls(VectorEnv[Floats, Floats, NDArray[Any]]):
         highest: float = 4e5,
         dt: float = 0.01,
         steps: int = 500,
+        lag: float = 0.05,
+        accuracy: Optional[str] = "0.1 mm",
     ) -> None:
-        self._task = _Task(scenario, lowest, highest, dt, steps)
+        self._task = _Task(scenario, lowest, highest, dt, steps, lag, accuracy)
         self.num_envs = count
         self.single_action_space = self._task.action_space
         self.single_observation_space = self._task.observation_space
