@@ -27,6 +27,10 @@ In MATLAB:
   run = load(\"beam.mat\");
   plot(run.trajectory.time_s, run.trajectory.tip_z_m)
 
+A model as a functional mock-up unit (FMI 3.0, co-simulation), by the Python
+package, which brings the code that the unit runs:
+  python -c 'import efam; efam.to_fmu(\"model.toml\", \"rod.fmu\")'
+
 Exit codes: 1 if the file cannot be written, 2 if the folder is no run or has
 no table of that kind, 3 if a table cannot be read.";
 
@@ -60,6 +64,9 @@ enum To {
     Gif,
     /// The picture of a simulation, 2400 pixels wide: for slides.
     Png,
+    /// A functional mock-up unit, which the Python package writes.
+    #[value(hide = true)]
+    Fmu,
 }
 
 /// The JSON output.
@@ -91,6 +98,14 @@ pub fn run(args: &Export, console: &Console) -> Result<ExitCode, Failure> {
         To::Mcap => Format::Mcap,
         To::Gif => Format::Gif,
         To::Png => Format::Png,
+        To::Fmu => {
+            let message = format!(
+                "--to fmu: the program writes no functional mock-up unit, because no kept Rust library does one with its \
+                 states; the Python package does: python -c 'import efam; efam.to_fmu(\"{}\", \"rod.fmu\")'",
+                efam_store::escape::escaped(&args.run.display().to_string())
+            );
+            return Err(Failure::Usage(message));
+        }
     };
     let stored = read(&args.run).map_err(ExportError::from)?;
     let file = args.out.clone().unwrap_or_else(|| beside(&args.run, format));

@@ -135,6 +135,7 @@ fn what_cannot_be_exported_is_said_and_leaves_nothing() {
     );
     assert_eq!(bench.text("run.mat"), "mine");
     says(&["absent", "--to", "mat"], 2, "absent: is no folder");
+    says(&["s.toml", "--to", "fmu"], 2, "efam.to_fmu(\"s.toml\", \"rod.fmu\")");
     says(&["run", "--to", "mat", "--out", "run"], 2, "run: is no place for a file");
     says(&["run", "--to", "mat", "--out", "s.toml/x.mat"], 1, "s.toml/x.mat: cannot be written");
     fs::create_dir_all(bench.0.join("empty")).expect("the target folder can be written");
