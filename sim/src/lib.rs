@@ -3,6 +3,7 @@
 pub mod catalogue;
 pub mod cli;
 pub mod failure;
+pub mod figures;
 pub mod observe;
 pub mod rest;
 pub mod simulate;

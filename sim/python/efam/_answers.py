@@ -138,6 +138,30 @@ def _framed(page: str) -> str:
     return f'<iframe srcdoc="{srcdoc}" style="width: 100%; height: 40em; border: 0"></iframe>'
 
 
+class Posterior(Answer):
+    """The posterior of a calibration. Warnings, R-hat and effective draws say whether it can be trusted."""
+
+    @cached_property
+    def draws(self) -> dict[str, Floats]:
+        """Draws of each parameter and nuisance parameter by its name, SI, shape [chains, draws]."""
+        return {own["name"]: np.array(own["draws"]) for own in [*self["parameters"], *self["nuisances"]]}
+
+    @cached_property
+    def log_likelihood(self) -> dict[str, Floats]:
+        """Logarithm of the likelihood of each release by its name, up to a constant, shape [chains, draws]."""
+        return {name: np.array(own) for name, own in zip(self["releases"], self["log_likelihood"])}
+
+    def to_arviz(self) -> Any:
+        """The same for ArviZ: its InferenceData, or the DataTree of its versions from 1.0 on."""
+        arviz = optional("arviz")
+        groups = {"posterior": self.draws, "log_likelihood": self.log_likelihood}
+        is_tree = int(arviz.__version__.split(".")[0]) >= 1
+        found = arviz.from_dict(groups) if is_tree else arviz.from_dict(**groups)
+        for own in [*self["parameters"], *self["nuisances"]]:
+            found["posterior"][own["name"]].attrs["units"] = own["unit"]
+        return found
+
+
 class Sweep(Answer):
     """A sweep: the spread of each number, and the table of all points."""
 
@@ -255,6 +279,41 @@ def calibrate(
         return Answer(_efam.calibrate(data, profile, tell))
 
 
+def sample(
+    experiment: Source,
+    /,
+    *,
+    chains: int = 4,
+    draws: int = 250,
+    warm_up: int = 50,
+    seed: int = 1,
+    progress: Optional[bool] = None,
+    **options: Unpack[ExperimentOptions],
+) -> Posterior:
+    """Draws from the posterior of the calibration of an experiment, by the no-U-turn sampler of nuts-rs.
+
+    It calibrates first. Options are those of `calibrate`. A parameter without a prior is flat within its bounds, in its
+    logarithm if the calibration has that scale. The spread is that of the calibration's errors, and the shape that of the cost.
+    """
+    data = data_of(experiment, options)
+    with bar("sample", " stages", progress) as tell:
+        return Posterior(_efam.sample(data, chains, draws, warm_up, seed, tell))
+
+
+def fit_pressure_line(
+    time: Union[Sequence[float], Floats],
+    command: Union[Sequence[float], Floats],
+    reading: Union[Sequence[float], Floats],
+) -> Answer:
+    """Finds time constant, dead time and rate limit of a pressure line from its command and the pressure that was read.
+
+    All three have one length, in s and Pa. The command moves on straight lines between its samples; a reading that is missing is
+    not a number. `answer["options"]` are options of a model: `efam.Model(scenario, **answer["options"])`.
+    """
+    columns = [np.asarray(own, float).ravel().tolist() for own in (time, command, reading)]
+    return Answer(_efam.fit_pressure_line(*columns))
+
+
 def diagnose(
     experiment: Source,
     /,
@@ -353,6 +412,17 @@ def modes(scenario: Scenario, /, *, count: int = 3, **options: Unpack[Options]) 
 def effects(name: Optional[str] = None, /) -> Answer:
     """The catalogue of effects, or the page of one, as `efam effects` shows them."""
     return Answer(_efam.effects(name))
+
+
+def figures(experiment: Source = None, /, **options: Any) -> Answer:
+    """Draws the paper's Figures 4 to 9, as `efam figures` does: from the recordings of an experiment, or else from runs.
+
+    Options set keys of the experiment, or of the figures' scenario: **{"effects.rayleigh_mass.alpha": "0.8 1/s"}.
+    `write` writes the pictures with their numbers, and `report` opens the page.
+    """
+    if experiment is None:
+        return Answer(_efam.figures(None, options))
+    return Answer(_efam.figures(data_of(experiment, options), {}))
 
 
 def compare(*runs: Union[Path, Run, Answer]) -> Answer:

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import Any
 
 EXTRAS = {
+    "arviz": "posterior",
     "control": "control",
     "gymnasium": "gym",
     "matplotlib": "plots",

@@ -36,7 +36,7 @@ use crate::overrides::{Laws, overrides, quantity};
 use crate::watch::{Progress, followed};
 
 /// Says on the thread of the call what a search does, and can end it.
-struct Listener<'a>(Cancel, &'a Progress);
+pub struct Listener<'a>(pub Cancel, pub &'a Progress);
 
 impl calibration::Listener for Listener<'_> {
     fn doing(&self, what: &str) {

@@ -35,6 +35,16 @@ def test_a_grid_and_a_plan_are_those_of_the_program(scenario, tmp_path):
         efam.plan(short, noise=0.0)
 
 
+def test_figures_are_those_of_the_program(tmp_path):
+    found = efam.figures()
+    assert found["figures"] == printed(tmp_path, "figures", "--out", str(tmp_path / "figures"))["figures"]
+    assert (found.write(tmp_path / "own") / "figure-8.csv").read_bytes() == (
+        tmp_path / "figures" / "figure-8.csv"
+    ).read_bytes()
+    with pytest.raises(efam.ScenarioError, match="every pressure of its table"):
+        efam.figures(**{"muscle.pressure": "15 psi"})
+
+
 def test_a_prediction_is_that_of_the_program(tmp_path):
     command = [*EFAM, "predict", "--muscle", "garbulinski-2022", "--pressure", "15psi", "--payload", "20g", "--json",
                "--draws", "8", "--out", str(tmp_path / "prediction")]

@@ -24,7 +24,7 @@ pub mod experiment;
 pub mod export;
 pub mod figures;
 pub mod grid;
-mod interval;
+pub mod interval;
 pub mod linear;
 pub mod page;
 pub mod paper;

@@ -48,6 +48,15 @@ pub enum CalibrateError {
         /// Path of the parameter.
         path: String,
     },
+    /// A posterior without draws.
+    #[error(
+        "release {release}: its posterior cannot be sampled, since the model cannot be simulated near the fit; read the \
+         warnings of `efam calibrate` first"
+    )]
+    NotSampled {
+        /// Name of the release.
+        release: String,
+    },
     /// Bounds that hold nothing.
     #[error("{path}: bounds {low} to {high} must be finite, ascending and within {least} to {most} {unit}")]
     Bounds {

@@ -17,6 +17,8 @@ pub(crate) mod numerics;
 pub(crate) mod objective;
 mod outcome;
 pub(crate) mod part;
+#[cfg(feature = "posterior")]
+pub mod posterior;
 pub(crate) mod prediction;
 pub mod problem;
 pub(crate) mod profile;
@@ -125,6 +127,23 @@ pub fn calibrate(
     settings: &CalibrationSettings,
     listener: &dyn Listener,
 ) -> Result<CalibrationOutcome, CalibrateError> {
+    Ok(told(&fits(problem, settings, listener)?))
+}
+
+/// All parts of a problem, fitted.
+pub(crate) struct Fits {
+    problem: Problem,
+    unknowns: Unknowns,
+    each: Vec<PartFit>,
+    /// How well the experiment repeats, where that is stated.
+    stated: Option<Repeats>,
+}
+
+fn fits(
+    problem: &Problem,
+    settings: &CalibrationSettings,
+    listener: &dyn Listener,
+) -> Result<Fits, CalibrateError> {
     if problem.parameters.is_empty() {
         return Err(CalibrateError::NoParameters);
     }
@@ -132,16 +151,20 @@ pub fn calibrate(
     // their own explain.
     let stated = settings.repeatability.map(|distance| Repeats::stated(problem, distance));
     let heard = stated.as_ref().map(|repeats| repeats.heard_in(problem));
-    let problem = heard.as_ref().unwrap_or(problem);
-    let unknowns = Unknowns::of(problem)?;
-    let parts = parts(problem, &unknowns);
-    let each = parts.into_par_iter().map(|part| fit(part, settings, listener));
-    let fitted = in_order::<_, Result<Vec<PartFit>, CalibrateError>>(each)?;
-    let mut outcome = outcome::outcome(problem, &unknowns, &fitted);
-    let fits: Vec<_> = fitted.iter().map(|fit| (&fit.objective, &fit.found)).collect();
-    let measured = || Repeats::measured(problem, &differences(&fits, &conditions(problem)));
-    outcome.calibration.repeats = stated.or_else(measured);
-    Ok(outcome)
+    let problem = heard.unwrap_or_else(|| problem.clone());
+    let unknowns = Unknowns::of(&problem)?;
+    let each = parts(&problem, &unknowns).into_par_iter().map(|part| fit(part, settings, listener));
+    let each = in_order::<_, Result<Vec<PartFit>, CalibrateError>>(each)?;
+    Ok(Fits { problem, unknowns, each, stated })
+}
+
+fn told(fits: &Fits) -> CalibrationOutcome {
+    let Fits { problem, unknowns, each, stated } = fits;
+    let mut outcome = outcome::outcome(problem, unknowns, each);
+    let found: Vec<_> = each.iter().map(|fit| (&fit.objective, &fit.found)).collect();
+    let measured = || Repeats::measured(problem, &differences(&found, &conditions(problem)));
+    outcome.calibration.repeats = stated.clone().or_else(measured);
+    outcome
 }
 
 fn fit(
