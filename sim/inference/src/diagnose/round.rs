@@ -111,11 +111,10 @@ fn race(data: &Data, base: &Sampled, tried: &mut [Tried]) {
         let is_there =
             |own: &Tried| ended.iter().any(|(name, all)| *name == own.extension.name && *all >= own.promise);
         let may_come_near = |own: &Tried| own.promise + rough > (best - BEHIND).max(0.0);
-        // Those that features cannot tell from their best are told by samples.
-        let by_features = tried.iter().map(|own| own.features).fold(CLASS, f64::max);
-        let is_chosen = |own: &Tried| {
-            !own.is_ended && !is_there(own) && (may_come_near(own) || own.features > by_features - CLASS)
-        };
+        // Those that are near the best by features are told by samples, whatever they promise there.
+        let by_features = tried.iter().map(|own| own.features).fold(0.0, f64::max);
+        let is_near = |own: &Tried| own.features > (by_features - BEHIND).max(0.0);
+        let is_chosen = |own: &Tried| !own.is_ended && !is_there(own) && (may_come_near(own) || is_near(own));
         let chosen: Vec<usize> = (0..tried.len()).filter(|k| is_chosen(&tried[*k])).take(HEAT).collect();
         if chosen.is_empty() {
             break;

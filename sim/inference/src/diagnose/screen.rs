@@ -20,6 +20,7 @@ use rayon::prelude::*;
 
 use super::data::{Compared, Comparison, Data};
 use super::extension::{Extension, Group, all_off};
+use super::hypothesis::Hypothesis;
 use super::likelihood::{evidence, expand};
 use super::samples::{Normal, Sampled, linearised};
 use super::search::Point;
@@ -115,8 +116,10 @@ impl Runs {
 
 /// Screens extensions of a fit; tries begin at the fit and at other origins.
 pub fn screen(data: &Data, base: &Sampled, others: &[Point], groups: Vec<Group>) -> Vec<Screened> {
-    let origins: Vec<Origin> =
-        std::iter::once(&base.fit.at).chain(others).map(|at| Origin::of(data, base, at, &groups)).collect();
+    let origins: Vec<Origin> = std::iter::once(&base.fit.at)
+        .chain(others)
+        .map(|at| Origin::of(data, &base.fit.hypothesis, at, &groups))
+        .collect();
     let screened = |(g, group): (usize, Group)| {
         let mut runs = Runs::default();
         let each =
@@ -127,11 +130,13 @@ pub fn screen(data: &Data, base: &Sampled, others: &[Point], groups: Vec<Group>)
 }
 
 impl<'a> Origin<'a> {
-    /// Two tries of one effect cannot be in one model: there are as many models as an effect has tries at most.
-    fn of(data: &Data, base: &Sampled, at: &'a Point, groups: &[Group]) -> Self {
+    /// Two tries of one effect cannot be in one model: there are as many models as an effect has tries at most. Frictions are in none:
+    /// what their memory does moves nothing while they are off, so no step of the integrator is short enough for it.
+    fn of(data: &Data, before: &Hypothesis, at: &'a Point, groups: &[Group]) -> Self {
         let mut models: Vec<Vec<usize>> = Vec::new();
         for (g, group) in groups.iter().enumerate() {
-            let Some(candidate) = &group.candidate else { continue };
+            let candidate = group.candidate.as_ref().filter(|own| !own.strength.is_friction);
+            let Some(candidate) = candidate else { continue };
             let has = |model: &[usize]| {
                 let names = model.iter().filter_map(|own| groups[*own].candidate.as_ref());
                 names.map(|own| own.name()).any(|name| name == candidate.name())
@@ -141,11 +146,10 @@ impl<'a> Origin<'a> {
                 None => models.push(vec![g]),
             }
         }
-        let hypothesis = &base.fit.hypothesis;
         let (first, mut slopes) = (at.z.len(), vec![None; groups.len()]);
         let of = |model: &Vec<usize>| {
             let own: Vec<&Group> = model.iter().map(|g| &groups[*g]).collect();
-            let all = all_off(hypothesis, &own).ok()?;
+            let all = all_off(before, &own).ok()?;
             let z = at.z.clone().resize_vertically(all.unknowns.len(), 0.0);
             data.compare_by(&all, &z, &(first..z.len()))
         };
@@ -399,4 +403,60 @@ pub fn beside(base: &Sampled, at: &DVector<f64>, extension: &Extension) -> DVect
         None if extension.strengths.contains(&u) => LITTLE,
         None => unknowns[u].start,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use efam_core::example::muscle_at_15_psi;
+    use efam_core::forward::{Run, forward};
+    use efam_experiments::release::{Point as Place, Track};
+
+    use super::super::DiagnosisSettings;
+    use super::super::extension::effects;
+    use super::super::setup::{nothing, trials};
+    use super::*;
+    use crate::calibrate::{Nuisances, Problem, Trial};
+    use crate::example::release;
+
+    /// The slope at zero is what a small strength makes, over it; those of all effects come from models that have many.
+    #[test]
+    fn slopes_at_zero_are_those_of_small_strengths() {
+        let (model, run) = (muscle_at_15_psi(), Run::release(2.0, 100.0));
+        let path = forward(&model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
+        let tip = Track {
+            marker: "tip".to_owned(),
+            at: Place::Tip,
+            position: path.tip.iter().map(|tip| Some(*tip)).collect(),
+            noise: 1e-4,
+            discrepancy: 0.0,
+        };
+        let trial = Trial { release: release(path.times, vec![tip]), model, run };
+        let problem =
+            Problem { trials: vec![trial.into()], parameters: Vec::new(), nuisances: Nuisances::default() };
+        let trials = trials(&problem, true).unwrap();
+        let (data, _) = Data::of(&trials, None, None);
+        let before = nothing(&problem, trials, &data.all()).unwrap();
+        let at = Point::of(&data, &before, before.start()).unwrap();
+        let groups = effects(&before, &DiagnosisSettings::default());
+        let origin = Origin::of(&data, &before, &at, &groups);
+        for (group, slopes) in groups.iter().zip(&origin.slopes) {
+            let own = &group.extensions[0];
+            let Some(slopes) = slopes else {
+                assert!(group.candidate.as_ref().unwrap().strength.is_friction, "{}", own.name);
+                continue;
+            };
+            // Errors of the integrator hide what a very small strength does, and a large one is not linear.
+            let difference = |strength: f64| {
+                let mut z = own.hypothesis.start();
+                own.strengths.iter().for_each(|place| z[*place] = strength);
+                let there = data.compare_with(&own.hypothesis, &z, &at.seen).unwrap();
+                let due = &Secants::between(&at.seen, &there, strength).samples[0];
+                (&slopes.samples[0] - due).norm() / due.norm()
+            };
+            let least = difference(0.01).min(difference(0.1));
+            assert!(least < 0.4, "{}: {least}", own.name);
+        }
+    }
 }
