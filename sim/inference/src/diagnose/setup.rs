@@ -119,7 +119,7 @@ pub fn nothing(problem: &Problem, trials: Vec<Trial>, plans: &[&Plan]) -> Result
     let clamp = problem.nuisances.clamp_angle.unwrap_or(ANGLE);
     let clamp = Unknown::setup("clamp", "angle of the clamp", "rad", Scaled::Shift(clamp));
     if !is_known(BASE_ANGLE) {
-        made.shared(clamp, &[BASE_ANGLE, RELEASE_ANGLE])?;
+        made.shared(clamp, &[BASE_ANGLE])?;
     }
     if !is_known(TILT) {
         made.grouped("camera", "tilt of the camera", "rad", Scaled::Shift(ANGLE), TILT)?;
