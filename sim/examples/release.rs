@@ -1,6 +1,6 @@
 //! How long a release takes in the library, without files and pages: what `tests/peers` measures of ours.
 //!
-//! `cargo run --release -p sim --no-default-features --example release -- SCENARIO REPEATS [PATH=VALUE…]` prints the
+//! `cargo run --release -p efam --no-default-features --example release -- SCENARIO REPEATS [PATH=VALUE…]` prints the
 //! shortest wall time of REPEATS runs, s, and how many steps one took, then the path of the tip, m. With REPEATS of 0
 //! it only reads the scenario.
 

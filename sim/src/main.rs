@@ -1,5 +1,5 @@
 //! The program `efam`.
 
 fn main() -> std::process::ExitCode {
-    sim::cli::main(std::env::args_os().collect())
+    efam::cli::main(std::env::args_os().collect())
 }

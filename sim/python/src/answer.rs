@@ -7,7 +7,7 @@ use efam_report::experiment::input_hashes;
 use efam_store::{Folder, StoreError};
 use pyo3::prelude::*;
 use serde::Serialize;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::experiment::ExperimentData;
 use crate::failure::exception;

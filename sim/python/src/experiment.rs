@@ -9,7 +9,7 @@ use efam_experiments::kind::FileKind;
 use efam_recordings::ReadOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::{Laws, tables};

@@ -3,7 +3,7 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
 use pyo3::prelude::*;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 create_exception!(efam, EfamError, PyException, "What efam refuses, or could not do.");
 create_exception!(efam, ScenarioError, EfamError, "A scenario, an experiment or an option is wrong.");

@@ -26,7 +26,7 @@ use models::muscle::BUILT_IN;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;

@@ -5,7 +5,7 @@ use efam_experiments::scenario::Case;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::quantity;

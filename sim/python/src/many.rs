@@ -9,8 +9,8 @@ use efam_report::told::told;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use sim::failure::Failure;
-use sim::simulate::simulate_many;
+use efam::failure::Failure;
+use efam::simulate::simulate_many;
 
 use crate::failure::exception;
 use crate::model::Model;

@@ -12,7 +12,7 @@ use models::quantity::Quantity;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::exception;
 

@@ -12,7 +12,7 @@ use efam_report::interval::with_ends;
 use models::digits::significant;
 use pyo3::prelude::*;
 use serde_json::json;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::answer::AnswerData;
 use crate::experiment::ExperimentData;

@@ -6,7 +6,7 @@ use efam_inference::pressure_line::{Estimate, PressureRecord, fit};
 use models::digits::significant;
 use pyo3::prelude::*;
 use serde_json::json;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::answer::AnswerData;
 use crate::failure::exception;

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 /// Runs the program with its arguments, of which the first is its own name; returns its exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-    let code = py.detach(|| sim::cli::main(arguments));
+    let code = py.detach(|| efam::cli::main(arguments));
     // The standard library tells no number of an exit code, but compares two.
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
 }

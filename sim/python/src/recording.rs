@@ -6,7 +6,7 @@ use std::sync::Arc;
 use efam_recordings::{Length, ReadOptions, Recording};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::watch::watched;

@@ -4,7 +4,7 @@ use efam_inference::calibrate::problem;
 use efam_inference::calibrate::residuals::{Evaluation, Residuals as Own};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::experiment::ExperimentData;
 use crate::failure::exception;

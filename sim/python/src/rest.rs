@@ -10,11 +10,11 @@ use efam_report::figures::{words, write_figures};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{json, to_value};
-use sim::catalogue::{Effect, all, listed, named};
-use sim::failure::Failure;
-use sim::figures::{Runs, admit, of_recordings, table};
-use sim::rest::{ModesPrinted, StaticsPrinted, resting, vibrations};
-use sim::simulate::kept;
+use efam::catalogue::{Effect, all, listed, named};
+use efam::failure::Failure;
+use efam::figures::{Runs, admit, of_recordings, table};
+use efam::rest::{ModesPrinted, StaticsPrinted, resting, vibrations};
+use efam::simulate::kept;
 
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;

@@ -15,8 +15,8 @@ use efam_report::report::report;
 use efam_report::told::{Told, told};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use sim::failure::Failure;
-use sim::simulate;
+use efam::failure::Failure;
+use efam::simulate;
 
 use crate::failure::exception;
 use crate::watch::watched;

@@ -8,7 +8,7 @@ use efam_store::input;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::{ScenarioError, exception};
 use crate::overrides::Laws;

@@ -18,7 +18,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::answer::AnswerData;
 use crate::failure::exception;

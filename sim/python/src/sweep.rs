@@ -15,7 +15,7 @@ use efam_sweeps::status::SWEEP;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::to_string;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::{Laws, tables};

@@ -13,7 +13,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use sim::failure::Failure;
+use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::{overrides, quantity};

@@ -69,7 +69,7 @@ fn no_command_listens() {
 fn efam_serves_this_machine_alone() {
     use std::time::Instant;
 
-    use sim::observe::rerun::DEFAULT_PORT;
+    use efam::observe::rerun::DEFAULT_PORT;
 
     let bench = crate::bench::Bench::new("served");
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/release-15psi.toml");

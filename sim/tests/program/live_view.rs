@@ -9,7 +9,7 @@ use std::net::{Ipv4Addr, TcpListener};
 use std::process::Command;
 
 use models::snapshot::{EffectForce, Energy, Snapshot};
-use sim::observe::rerun::{RerunError, Scene, Sink, Stream};
+use efam::observe::rerun::{RerunError, Scene, Sink, Stream};
 
 use crate::bench::{Bench, skipped};
 

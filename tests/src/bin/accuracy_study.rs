@@ -1,4 +1,4 @@
-//! Whether a run is as accurate as was asked: `cargo run --release -p tests --bin accuracy_study -- FIRST COUNT`.
+//! Whether a run is as accurate as was asked: `cargo run --release -p efam-tests --bin accuracy_study -- FIRST COUNT`.
 //!
 //! Draws scenarios, asks for three accuracies, and compares the tip with a much finer run. Prints how often the true
 //! error was within 1, 1.5 and 3 times what was asked, and each miss; with EFAM_ALL every run.

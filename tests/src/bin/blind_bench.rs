@@ -1,5 +1,5 @@
 //! Blind bench of the diagnosis: experiments drawn by the twin, with effects hidden in them or none, are
-//! diagnosed, and what is said is counted. `cargo run --release -p tests --bin blind_bench -- --help`.
+//! diagnosed, and what is said is counted. `cargo run --release -p efam-tests --bin blind_bench -- --help`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs;

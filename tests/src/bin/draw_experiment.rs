@@ -1,7 +1,7 @@
 //! Draws an experiment with a known secret, and writes it as a laboratory would have it: an experiment
 //! file, and a recording for each release.
 //!
-//! `cargo run -p tests --bin draw_experiment -- FOLDER SEED [EFFECT=SIZE…] [static]`; a size of 1 is what
+//! `cargo run -p efam-tests --bin draw_experiment -- FOLDER SEED [EFFECT=SIZE…] [static]`; a size of 1 is what
 //! one would expect of a muscle, and three sizes between commas are one for each pressure. Three pressures,
 //! level and 25° below it; with `static` two level releases each at 10, 40 and 100 psi, of a muscle whose EI
 //! is that of its table and is not fitted, as in the paper.

@@ -1,4 +1,4 @@
-//! Error of the mesh, against an independent beam: `cargo run -p tests --no-default-features --bin mesh_study`.
+//! Error of the mesh, against an independent beam: `cargo run -p efam-tests --no-default-features --bin mesh_study`.
 //!
 //! For each pressure of the paper's table, or those given, released level and from a clamp that points 25 degrees
 //! down: distance of the tip from that of the twin, mm, rms and largest over 4 s with alpha 0.5 1/s and beta 8 ms.

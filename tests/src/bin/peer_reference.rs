@@ -1,6 +1,6 @@
 //! The converged path of the tip that `tests/peers` measures all contestants by: from the twin, which is none of them.
 //!
-//! `cargo run -p tests --no-default-features --bin peer_reference -- ALPHA BETA > reference.csv`: 20 s of the release at
+//! `cargo run -p efam-tests --no-default-features --bin peer_reference -- ALPHA BETA > reference.csv`: 20 s of the release at
 //! 15 psi, at 100 Hz, with mass damping ALPHA, 1/s, and stiffness damping BETA, s. What half as many elements and
 //! twice the step change goes to stderr.
 

@@ -132,7 +132,7 @@ impl Lab {
              #\n# Drawn, not measured: by the independent beam of the tests, which shares no law, mesh or\n\
              # integrator with the model below. {}, hold, offset and tilt are off by what a laboratory\n\
              # would not notice. To the bit again from the project's root by\n\
-             #   cargo run -p tests --bin draw_experiment -- {}\n\
+             #   cargo run -p efam-tests --bin draw_experiment -- {}\n\
              name = \"{}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n{AS_DRAWN}\n\
              [effects.rayleigh_mass]\nalpha = \"{:.1} 1/s\"             # a first value; it is fitted\n\n\
              [effects.rayleigh_stiffness]\nbeta = \"{} ms\"               # likewise\n",

@@ -52,7 +52,7 @@ pub const CRATES: [(&str, &[&str]); 11] = [
             "efam_store",
             "efam_sweeps",
             "models",
-            "sim",
+            "efam",
         ],
     ),
 ];
@@ -155,7 +155,7 @@ fn imports(text: &str) -> BTreeSet<String> {
     let own = text.split("#[cfg(test)]").next().unwrap_or_default();
     let of_crate = |path: &String| {
         let mut parts = path.split("::");
-        let is_own = matches!(parts.next(), Some("crate" | "sim"));
+        let is_own = matches!(parts.next(), Some("crate" | "efam"));
         parts.next().filter(|_| is_own).map(str::to_owned)
     };
     paths(own).iter().filter_map(of_crate).collect()
@@ -200,7 +200,8 @@ fn disagreements(table: &[(&str, &[&str])], files: &[(String, String)]) -> Vec<S
 #[test]
 fn crates_depend_on_those_below() {
     let name = |folder: &str| match folder {
-        "models" | "sim" => folder.to_owned(),
+        "models" => folder.to_owned(),
+        "sim" => "efam".to_owned(),
         folder => folder.replace("sim/", "efam_"),
     };
     let own: Vec<String> = CRATES.iter().map(|(folder, _)| name(folder)).collect();
