@@ -311,7 +311,8 @@ mod tests {
     /// A square command with ramps of one sample, read with noise and an offset of the gauge.
     fn record(theta: [f64; 3], noise: f64, seed: u64) -> PressureRecord {
         let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
-        let command = time.iter().map(|t| if (0.4 * t) as u32 % 2 == 0 { 1e5 } else { 2.4e5 }).collect();
+        let command =
+            time.iter().map(|t| if ((0.4 * t) as u32).is_multiple_of(2) { 1e5 } else { 2.4e5 }).collect();
         let mut record = PressureRecord { time, command, reading: Vec::new() };
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let read = |pressure: &f64| pressure + 800.0 + noise * normal(&mut random);

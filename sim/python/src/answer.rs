@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use efam::failure::Failure;
 use efam_report::Request;
 use efam_report::experiment::input_hashes;
 use efam_store::{Folder, StoreError};
 use pyo3::prelude::*;
 use serde::Serialize;
-use efam::failure::Failure;
 
 use crate::experiment::ExperimentData;
 use crate::failure::exception;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use efam::failure::Failure;
 use efam_experiments::cleaning::{Cleaned, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
@@ -9,7 +10,6 @@ use efam_experiments::kind::FileKind;
 use efam_recordings::ReadOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::{Laws, tables};

@@ -1,9 +1,9 @@
 //! Failures as Python exceptions, with the words of the program.
 
+use efam::failure::Failure;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
 use pyo3::prelude::*;
-use efam::failure::Failure;
 
 create_exception!(efam, EfamError, PyException, "What efam refuses, or could not do.");
 create_exception!(efam, ScenarioError, EfamError, "A scenario, an experiment or an option is wrong.");

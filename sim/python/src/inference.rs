@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use efam::failure::Failure;
 use efam_core::forward::Cancel;
 use efam_experiments::analyse as analysis;
 use efam_experiments::analysis::static_stiffness::NODES;
@@ -26,7 +27,6 @@ use models::muscle::BUILT_IN;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use efam::failure::Failure;
 
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;

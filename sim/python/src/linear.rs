@@ -1,11 +1,11 @@
 //! A linear model of a rod, for a controller.
 
+use efam::failure::Failure;
 use efam_core::linear::{Complex, DMatrix, LinearError, Modal, Signal, StateSpace};
 use efam_experiments::scenario::Case;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
-use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::quantity;

@@ -1,5 +1,7 @@
 //! The tips of many runs.
 
+use efam::failure::Failure;
+use efam::simulate::simulate_many;
 use efam_core::forward::{Run, uniform};
 use efam_core::trajectory::Status;
 use efam_experiments::scenario::Case;
@@ -9,8 +11,6 @@ use efam_report::told::told;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use efam::failure::Failure;
-use efam::simulate::simulate_many;
 
 use crate::failure::exception;
 use crate::model::Model;

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use efam::failure::Failure;
 use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::Case;
 use efam_inference::predict::errors::Errors;
@@ -11,7 +12,6 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::linear::Linear;

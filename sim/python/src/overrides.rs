@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 use std::path::Path;
 
+use efam::failure::Failure;
 use efam_experiments::scenario::units::{EXPERIMENT, SCENARIO, keys};
 use efam_experiments::scenario::{ReleaseOptions, effects_of, unit_of};
 use efam_store::escape::toml_string;
@@ -12,7 +13,6 @@ use models::quantity::Quantity;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
-use efam::failure::Failure;
 
 use crate::failure::exception;
 

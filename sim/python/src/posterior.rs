@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::time::Instant;
 
+use efam::failure::Failure;
 use efam_core::forward::Cancel;
 use efam_inference::calibrate::posterior::{Posterior, SampleSettings, sample as sample_posterior};
 use efam_inference::calibrate::problem;
@@ -12,7 +13,6 @@ use efam_report::interval::with_ends;
 use models::digits::significant;
 use pyo3::prelude::*;
 use serde_json::json;
-use efam::failure::Failure;
 
 use crate::answer::AnswerData;
 use crate::experiment::ExperimentData;

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
+use efam::failure::Failure;
 use efam_inference::pressure_line::{Estimate, PressureRecord, fit};
 use models::digits::significant;
 use pyo3::prelude::*;
 use serde_json::json;
-use efam::failure::Failure;
 
 use crate::answer::AnswerData;
 use crate::failure::exception;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use efam::failure::Failure;
 use efam_recordings::{Length, ReadOptions, Recording};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::watch::watched;

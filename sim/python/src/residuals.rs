@@ -1,10 +1,10 @@
 //! Residuals of an experiment and their Jacobian, for solvers of Python.
 
+use efam::failure::Failure;
 use efam_inference::calibrate::problem;
 use efam_inference::calibrate::residuals::{Evaluation, Residuals as Own};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use efam::failure::Failure;
 
 use crate::experiment::ExperimentData;
 use crate::failure::exception;

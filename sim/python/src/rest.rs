@@ -7,14 +7,14 @@ use efam_core::forward::{Run, forward};
 use efam_report::Request;
 use efam_report::figures::{words, write_figures};
 
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use serde_json::{json, to_value};
 use efam::catalogue::{Effect, all, listed, named};
 use efam::failure::Failure;
 use efam::figures::{Runs, admit, of_recordings, table};
 use efam::rest::{ModesPrinted, StaticsPrinted, resting, vibrations};
 use efam::simulate::kept;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{json, to_value};
 
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;

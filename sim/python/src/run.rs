@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use efam::failure::Failure;
+use efam::simulate;
 use efam_core::accuracy::Settled;
 use efam_core::forward::Cancel;
 use efam_core::trajectory::Status;
@@ -15,8 +17,6 @@ use efam_report::report::report;
 use efam_report::told::{Told, told};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use efam::failure::Failure;
-use efam::simulate;
 
 use crate::failure::exception;
 use crate::watch::watched;

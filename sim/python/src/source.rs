@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use efam::failure::Failure;
 use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_store::input;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use efam::failure::Failure;
 
 use crate::failure::{ScenarioError, exception};
 use crate::overrides::Laws;

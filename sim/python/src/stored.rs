@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use efam::failure::Failure;
 use efam_report::calibrated::{CALIBRATION, table};
 use efam_report::checked::{CHECK, check_table};
 use efam_report::compared::{COMPARISON, compare, comparison_table, request_of, write_comparison};
@@ -18,7 +19,6 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
-use efam::failure::Failure;
 
 use crate::answer::AnswerData;
 use crate::failure::exception;

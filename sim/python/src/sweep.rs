@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use efam::failure::Failure;
 use efam_core::forward::Cancel;
 use efam_report::Request;
 use efam_report::swept::{again, request_of, swept_table, write_plan, write_swept};
@@ -15,7 +16,6 @@ use efam_sweeps::status::SWEEP;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::to_string;
-use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::{Laws, tables};

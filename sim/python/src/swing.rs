@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use efam::failure::Failure;
 use efam_core::integrate::State;
 use efam_core::stepper::{ChangeError, Stepper};
 use efam_experiments::scenario::Scenario;
@@ -13,7 +14,6 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use efam::failure::Failure;
 
 use crate::failure::exception;
 use crate::overrides::{overrides, quantity};

@@ -8,8 +8,8 @@ use std::fs;
 use std::net::{Ipv4Addr, TcpListener};
 use std::process::Command;
 
-use models::snapshot::{EffectForce, Energy, Snapshot};
 use efam::observe::rerun::{RerunError, Scene, Sink, Stream};
+use models::snapshot::{EffectForce, Energy, Snapshot};
 
 use crate::bench::{Bench, skipped};
 

@@ -178,9 +178,11 @@ impl Cleaned {
     pub fn warnings(&self) -> Vec<String> {
         let moves = |of: &CleanRecording| {
             let base = of.base.as_ref().filter(|base| base.is_followed())?;
-            let unseen = match base.followed_turn.is_some() && base.orientation.is_none() {
-                true => "; two markers show no turn about their own line, so measure a third",
-                false => "",
+            let has_two_markers = base.followed_turn.is_some() && base.orientation.is_none();
+            let unseen = if has_two_markers {
+                "; two markers show no turn about their own line, so measure a third"
+            } else {
+                ""
             };
             Some(format!(
                 "{}: the base moves by up to {} and turns by up to {:.2} deg: that is taken off sample by sample, and no model \

@@ -46,7 +46,7 @@ pub struct Compared {
 pub struct Comparison {
     /// Features, over their scales.
     pub features: Compared,
-    /// All samples, m.
+    /// All samples, m, without what may be wander.
     pub samples: Compared,
     /// `JᵀJ` of the slopes J of all samples, by release.
     pub squares: Arc<Vec<DMatrix<f64>>>,
@@ -60,7 +60,7 @@ impl Data {
             trials.par_iter().map(|trial| Plan::of(&trial.release, trial.is_held())).collect();
         // One camera sees all: each release tells a little of its colour.
         let slow_noise = slow_noise.unwrap_or_else(|| slow(found.iter().flatten().map(|plan| plan.noise)));
-        found.iter_mut().flatten().for_each(|plan| plan.noise.slow = slow_noise);
+        found.par_iter_mut().flatten().for_each(|plan| plan.with_slow_noise(slow_noise));
         let is_held_out = |r: &usize| trials[*r].release.held_out;
         let shown = (0..trials.len()).filter(|r| found[*r].is_some());
         let (held_out, fitted): (Vec<usize>, Vec<usize>) = shown.partition(is_held_out);
@@ -140,7 +140,9 @@ impl Data {
                     features[(f, k)] = slope / plan.scales[f];
                 }
                 for (c, q) in moved.iter().enumerate() {
-                    samples.view_mut((c * count, k), (count, 1)).copy_from_slice(&q[..count]);
+                    let own = &mut samples.column_mut(k).data.into_slice_mut()[c * count..(c + 1) * count];
+                    own.copy_from_slice(&q[..count]);
+                    plan.wander.take_from(own);
                 }
             }
             let square = samples.transpose() * &samples;
@@ -219,13 +221,14 @@ fn weights(plan: &Plan) -> Weights {
     Weights::of(plan, &covariance(plan))
 }
 
-/// Differences of features, over their scales, and of all samples, m.
+/// Differences of features, over their scales, and of all samples, m, without what may be wander.
 fn differences(plan: &Plan, simulated: &Simulated, values: &[f64]) -> (DVector<f64>, DVector<f64>) {
     let feature = DVector::from_fn(plan.features.len(), |f, _| (values[f] - plan.values[f]) / plan.scales[f]);
     let count = plan.samples.len();
-    let sample = DVector::from_fn(count * plan.recorded.len(), |i, _| {
+    let mut sample = DVector::from_fn(count * plan.recorded.len(), |i, _| {
         let (c, k) = (i / count, i % count);
         simulated.coordinates[c][k] - plan.recorded[c][k]
     });
+    sample.as_mut_slice().chunks_exact_mut(count).for_each(|own| plan.wander.take_from(own));
     (feature, sample)
 }

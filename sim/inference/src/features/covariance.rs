@@ -1,6 +1,7 @@
 //! Covariance of features by the noise of the camera: the noise goes through the extractor itself.
 //!
-//! Noise of the measured size and colour is drawn and added to the recording, and the features of each draw are compared.
+//! Noise of the measured size and colour is drawn, with a slow wander, and added to the recording; the features of each draw are
+//! compared.
 //! So every window, mean and ratio has the variance that it has, and what shares samples is correlated.
 
 use nalgebra::DMatrix;
@@ -30,6 +31,7 @@ pub fn covariance(plan: &Plan) -> DMatrix<f64> {
                 *q += deviation * noise;
                 noise = correlation * noise + fresh * normal(random);
             }
+            plan.wander.add_to(q, random);
         }
         plan.disturbed(&moved, &near).values
     };

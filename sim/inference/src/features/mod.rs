@@ -10,11 +10,13 @@ pub mod covariance;
 mod noise;
 mod track;
 pub mod turns;
+mod wander;
 pub mod window;
 
 use efam_experiments::release::Release;
 pub use noise::Noise;
 use track::{axes, range, seen, turned};
+use wander::Wander;
 use window::{Fitted, Span};
 
 /// Turns, counted from one, between which windows reach: 1, 2, 4, 8 and 16 cycles. Each begins where the one before ends, and
@@ -81,8 +83,9 @@ pub struct Plan {
     /// Size of the first swing, m; frequency of the recorded swing, Hz.
     pub first_swing: f64,
     pub frequency: f64,
-    /// Noise of its coordinates.
+    /// Noise of its coordinates, and slow wander beside it.
     pub noise: Noise,
+    pub wander: Wander,
     axes: [[f64; 2]; 2],
     hysteresis: f64,
     windows: Vec<(usize, usize)>,
@@ -129,6 +132,7 @@ impl Plan {
             first_swing: 0.5 * range,
             frequency: 0.0,
             noise: Noise { deviation: noise, slow: 1.0 },
+            wander: Wander::default(),
             axes,
             windows: Vec::new(),
             count: usize::MAX,
@@ -156,6 +160,12 @@ impl Plan {
         let last = turns[plan.count - 1];
         plan.lengthen(last);
         Some(plan)
+    }
+
+    /// Sets [`Noise::slow`], and the wander beside that noise.
+    pub fn with_slow_noise(&mut self, slow: f64) {
+        self.noise.slow = slow;
+        self.wander = Wander::of(&self.time[..self.samples.len()], self.frequency, &self.noise);
     }
 
     /// Coordinates of positions `[marker][sample]`, m, in the axes of the recording.
