@@ -14,8 +14,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::Noise;
 use crate::normal::normal;
 
-/// Root mean square wander over a record, m: a base on a table and a camera on a tripod creep and warm by tenths of a millimetre.
-const WANDER: f64 = 1.5e-4;
+/// Root mean square wander over a record, over the deviation of the noise: whoever sees a tenth of a millimetre has a stiffer table than
+/// one who sees a whole one, and what wanders by more than its noise is seen and taken off.
+const WANDER: f64 = 0.5;
 /// Cycles of the swing in the fastest cosine.
 const CYCLES: f64 = 4.0;
 /// Cosines at most: those beyond have a hundredth of the variance.
@@ -36,15 +37,15 @@ impl Wander {
     pub fn of(time: &[f64], frequency: f64, noise: &Noise) -> Self {
         let duration = time[time.len() - 1] - time[0];
         let cosines = ((2.0 * frequency * duration / CYCLES) as usize).clamp(1, MOST);
-        let deviation = |k: usize| WANDER * 12f64.sqrt() / (PI * k as f64);
+        let deviation = |k: usize| WANDER * noise.deviation * 12f64.sqrt() / (PI * k as f64);
         let cosine = |i: usize, column: usize| {
             let k = column + 1;
             deviation(k) * (PI * k as f64 * (time[i] - time[0]) / duration).cos()
         };
         let svd = DMatrix::from_fn(time.len(), cosines, cosine).svd(true, false);
-        let noise = noise.slow * noise.deviation.powi(2);
+        let density = noise.slow * noise.deviation.powi(2);
         let sizes = svd.singular_values;
-        let lost = sizes.map(|size| 1.0 - (1.0 + size * size / noise).sqrt().recip());
+        let lost = sizes.map(|size| 1.0 - (1.0 + size * size / density).sqrt().recip());
         Self { modes: svd.u.unwrap_or_default(), sizes, lost }
     }
 
@@ -98,7 +99,7 @@ mod tests {
             rest += path.iter().map(|x| x * x).sum::<f64>();
         }
         let mean = |sum: f64| (sum / f64::from(draws) / time.len() as f64).sqrt();
-        assert!((mean(drawn) / WANDER - 1.0).abs() < 0.15, "{}", mean(drawn));
+        assert!((mean(drawn) / (WANDER * noise.deviation) - 1.0).abs() < 0.15, "{}", mean(drawn));
         assert!((mean(rest) / noise.deviation - 1.0).abs() < 0.05, "{}", mean(rest));
     }
 }
