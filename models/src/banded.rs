@@ -10,7 +10,7 @@ use crate::pack::{Pack, RODS};
 pub const HALF_BANDWIDTH: usize = 10;
 const WIDTH: usize = 2 * HALF_BANDWIDTH + 1;
 
-/// A square matrix whose entries stand within [`HALF_BANDWIDTH`] of the diagonal.
+/// A square matrix whose entries lie within [`HALF_BANDWIDTH`] of the diagonal.
 #[derive(Clone, Debug, Default)]
 pub struct Banded<T = f64> {
     rows: Vec<[T; WIDTH]>,

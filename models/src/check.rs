@@ -219,7 +219,7 @@ fn off_and_on(effect: &'static dyn Effect) -> Result<Outcome, String> {
         let still =
             || format!("with {} at off it still acts; give another off value, or none", off.join(", "));
         ensure(trace(&model) == without(&model), still)?;
-        // A model leaves out what is off, so its law is asked next to that.
+        // A model leaves out what is off, so its law is evaluated close to off.
         let near = beside(&model, effect, &off)?;
         let on = on(effect)?;
         let apart = |model: &Model| {
@@ -246,7 +246,7 @@ fn listed(times: &[f64]) -> String {
     words.join(", ")
 }
 
-/// How far beside off a law is asked, over the scale of the parameter.
+/// Distance from off at which a law is evaluated, over the scale of the parameter.
 const BESIDE: f64 = 1e-9;
 
 /// The model with some parameters next to off.
@@ -419,7 +419,7 @@ pub fn is_mirrored(effect: &'static dyn Effect) -> Result<bool, String> {
     let mut model = on(effect)?;
     model.set("effects.gravity.acceleration", 0.0).map_err(|error| error.to_string())?;
     let (q, v, z) = moving(&model);
-    // z of a node, and the angle of the end body, which stands last.
+    // z of a node, and the angle of the end body, which comes last.
     let mirror = |x: &[f64]| -> Vec<f64> {
         let last = x.len() - 1;
         x.iter().enumerate().map(|(k, x)| if k % 2 == 1 || k == last { -x } else { *x }).collect()

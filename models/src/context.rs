@@ -48,8 +48,7 @@ pub struct Context<T> {
 }
 
 impl<T: Number> Context<T> {
-    /// Length over which the bends of the rod stand, m: the active length, and half an edge more with
-    /// the paper's root.
+    /// Length of rod that bends, m: the active length, and half an edge more with the paper's root.
     pub fn bent_length(&self) -> T {
         self.per_voronoi.iter().fold(T::from(0.0), |sum, per| sum + per.recip())
     }

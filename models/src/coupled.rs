@@ -44,7 +44,7 @@ impl<T: Plain> Coupled<T> {
         Self { band: Banded::zeros(n), product }
     }
 
-    /// Puts `column rowᵀ` in the place of what stood beside the band.
+    /// Replaces the product beside the band by `column rowᵀ`.
     pub(crate) fn put_beside(&mut self, write: impl FnOnce(&mut [T], &mut [T])) {
         self.product.acts = true;
         write(&mut self.product.column, &mut self.product.row);
@@ -110,9 +110,9 @@ impl Coupled {
         Ok(())
     }
 
-    /// Whether a symmetric matrix of these factors is positive definite. A product that is added can
-    /// lift one eigenvalue over zero, one that is taken away can lower one; whether it did, the sign
-    /// of the determinant tells, `det A = det B (1 + w·B⁻¹u)`.
+    /// Whether a symmetric matrix of these factors is positive definite. An added product can lift one
+    /// eigenvalue above zero, a subtracted one can lower one. The sign of the determinant, `det A = det B (1
+    /// + w·B⁻¹u)`, shows whether it did.
     pub fn is_positive(&self) -> bool {
         let negative = self.band.negative_pivots();
         let Product { acts: true, column, row, pole, .. } = &self.product else { return negative == 0 };

@@ -10,7 +10,7 @@ pub enum ModelError {
     /// Too few or too many nodes.
     #[error("rod.nodes = {nodes}: must lie in 4..=2000; 16 resolve the paper's muscle to 0.02 mm")]
     Nodes {
-        /// Value met.
+        /// Value found.
         nodes: usize,
     },
     /// A parameter outside its range, or not a number.
@@ -18,7 +18,7 @@ pub enum ModelError {
     OutOfRange {
         /// Path of the parameter, such as `effects.air_drag.drag_coefficient`.
         path: String,
-        /// Value met, SI.
+        /// Value found, SI.
         value: f64,
         /// Smallest admissible value.
         low: f64,
@@ -30,7 +30,7 @@ pub enum ModelError {
     /// No such parameter.
     #[error("{path}: no such parameter; the model has {known}")]
     UnknownParameter {
-        /// Path met.
+        /// Path found.
         path: String,
         /// Paths that there are.
         known: String,
@@ -38,7 +38,7 @@ pub enum ModelError {
     /// No such effect.
     #[error("effects.{name}: no such effect; `efam effects` lists them")]
     UnknownEffect {
-        /// Name met.
+        /// Name found.
         name: String,
     },
     /// An effect that needs the rod's diameter, and a rod without one.
@@ -47,7 +47,7 @@ pub enum ModelError {
         /// Name of the effect.
         effect: &'static str,
     },
-    /// Modes were asked for about a posture that is no stable equilibrium.
+    /// Modes were requested about a posture that is not a stable equilibrium.
     #[error("the rest posture is not stable, and so has no frequencies; lower the load or stiffen the rod")]
     Unstable,
     /// An input of a linear model that moves the coordinates themselves.
@@ -82,7 +82,7 @@ pub enum ModelError {
         iterations: usize,
         /// Largest imbalance, N.
         imbalance: f64,
-        /// Where it stands.
+        /// Its node.
         node: usize,
     },
 }

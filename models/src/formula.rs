@@ -7,8 +7,8 @@
 //! atom    = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
 //!
-//! It is our own because no crate evaluates over several scalars from one parse, knows units, and says where an error
-//! stands, see decision 46.
+//! It is our own because no crate evaluates one parse over several scalars, knows units, and locates errors, see
+//! decision 46.
 
 mod parse;
 mod program;
@@ -29,7 +29,7 @@ pub const LONGEST: usize = 1000;
 /// Parentheses, signs and powers within one another.
 const DEEPEST: usize = 32;
 
-/// A part of a formula, where it stands.
+/// A part of a formula and its position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
     /// What it is.
@@ -53,7 +53,7 @@ pub enum Node {
     Call(Function, Vec<Term>),
 }
 
-/// What can stand between two parts.
+/// An operator between two parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// `+`
@@ -144,7 +144,7 @@ pub enum FormulaProblem {
     /// Something else is due here.
     #[error("{found} stands where {due} is due")]
     Unexpected {
-        /// What stands there.
+        /// What the text has there.
         found: String,
         /// What is due.
         due: &'static str,

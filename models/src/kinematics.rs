@@ -9,7 +9,7 @@ use crate::context::Context;
 use crate::number::Number;
 use crate::plane::{cross, dot, left, minus};
 
-/// Where edge and bend quantities of one posture stand, and what the laws say of them.
+/// Edge and bend quantities of one posture, and what the laws give for them.
 #[derive(Clone, Debug, Default)]
 pub struct Fields<T> {
     /// Node positions in W, m, shape `[N+1]`.
@@ -52,7 +52,7 @@ pub struct Fields<T> {
     pub kappa: Vec<T>,
     /// Its rate at the present rest length, 1/s.
     pub kappa_rate: Vec<T>,
-    /// Mean square of the curvature over the rod, 1/m²; zero unless [asked for](Self::average).
+    /// Mean square of the curvature over the rod, 1/m²; zero unless [requested](Self::average).
     pub mean_square_curvature: T,
     /// Resisting moment of each bend, N m, shape `[N+1]`, as the laws have it.
     pub moment: Vec<T>,
@@ -322,7 +322,7 @@ impl<T: Number> Fields<T> {
                 i if i < n => c.node_mass,
                 _ => c.body.mass,
             };
-            // What the last node bears stands among the loads at the tip.
+            // The mass at the last node is among the loads at the tip.
             let weightless = match i {
                 0 => c.weightless_mass * 0.5,
                 i if i < n => c.weightless_mass,

@@ -94,7 +94,7 @@ impl System {
         stretches.zip(by_stretch).map(|(stretch, stiffness)| length * stiffness * stretch * stretch).sum()
     }
 
-    /// Moments, their tangents and the rates of memories at the bends' curvatures as they stand.
+    /// Moments, their tangents and the rates of memories at the present curvatures of the bends.
     pub(crate) fn linearise_bends(&mut self, z: &[f64], z_rate: &mut [f64]) {
         let (model, t) = (&self.model, &mut self.tangent);
         let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;

@@ -16,7 +16,7 @@ pub use spec::ModelSpec;
 /// A parameter of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelParameter {
-    /// Where it stands, such as `rod.length` or `effects.air_drag.drag_coefficient`.
+    /// Its path, such as `rod.length` or `effects.air_drag.drag_coefficient`.
     pub path: String,
     /// What it is.
     pub meaning: &'static str,
@@ -35,9 +35,9 @@ pub struct ModelParameter {
 pub struct Active {
     /// The effect.
     pub effect: &'static dyn Effect,
-    /// Where its parameters stand in `theta`.
+    /// Its parameters in `theta`.
     pub theta: Range<usize>,
-    /// Where its memories stand: shape `[memories, N+1]`.
+    /// Its memories: shape `[memories, N+1]`.
     pub memory: Range<usize>,
 }
 
@@ -375,12 +375,12 @@ impl Model {
         slips.then_some(slipping)
     }
 
-    /// Whether the effect's parameters stand where it vanishes.
+    /// Whether the effect's parameters have values at which it vanishes.
     pub(crate) fn is_off(&self, active: &Active) -> bool {
         active.effect.about().is_off(&self.theta[active.theta.clone()])
     }
 
-    /// Names of the effects that exert a force as the model stands.
+    /// Names of the effects that exert a force at the present parameters.
     pub fn exerting(&self) -> Vec<&'static str> {
         let places =
             [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Inertia, Place::Clamp];
@@ -421,7 +421,7 @@ impl Model {
         self.effects.iter().find(is_own).is_some_and(|active| active.effect.about().places == [Place::Sensor])
     }
 
-    /// Whether an effect stands between the rod and what is observed of it.
+    /// Whether an effect acts between the rod and its observation.
     pub fn has_sensor(&self) -> bool {
         !self.acting(Place::Sensor, &[]).is_empty()
     }

@@ -116,7 +116,7 @@ impl Quantity {
         Quantity::parse(&value.to_string())
     }
 
-    /// Value in the unit that is due, such as `kg m^2`; an empty `unit` asks for a plain number. Zero needs no unit.
+    /// Value in the unit that is due, such as `kg m^2`; an empty `unit` expects a plain number. Zero needs no unit.
     ///
     /// # Errors
     /// [`QuantityError::NeedsUnit`] or [`QuantityError::WrongDimension`], with the right form.
@@ -213,7 +213,7 @@ fn is_not_finite(text: &str) -> bool {
     number.parse::<f64>().is_ok_and(|value| !value.is_finite())
 }
 
-/// What stands between a number and the end: the unit with a space before it, or nothing.
+/// The text after a number: the unit with a space before it, or nothing.
 fn behind_number(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }

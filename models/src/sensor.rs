@@ -1,4 +1,4 @@
-//! What stands between the rod and a recording of it: where a point is seen, and when.
+//! Maps the rod to a recording of it: where a point is seen, and when.
 
 use crate::effects::{CATALOGUE, Place, Scalar, Sight};
 use crate::model::{Active, Model};

@@ -33,7 +33,7 @@ pub struct Snapshot {
 pub struct EffectForce {
     /// Name of the effect.
     pub effect: &'static str,
-    /// Force on each node, N, shape `[N+1]`; what acts on the end body stands at the last node.
+    /// Force on each node, N, shape `[N+1]`; the last node includes the loads of the end body.
     pub force: Vec<[f64; 2]>,
 }
 

@@ -11,7 +11,7 @@
 //!
 //! The moments act on the turning angles through the transpose, so that forces stay the gradient of the energy.
 //! At an end the first angle spans half a cell. Four numbers of its stencil, the place `x ℓ` of the first bend
-//! and the lengths that the first two stand for follow from four demands each: curvature linear in arc length is
+//! and the lengths that the first two represent follow from four demands each: curvature linear in arc length is
 //! recovered, a linear bending moment is balanced, and the sum over bends integrates parabolas exactly:
 //!
 //! ```text
@@ -40,14 +40,14 @@ pub enum Scheme {
     /// The bending stiffnesses of its Table 2 belong to this scheme, with 32 nodes, the resting mass per
     /// length and a rod that hardly stretches: the Euler column then follows from the PDER column
     /// to within 0.3 to 6.1 % (median 3.0 %), against 6 to 15 % with the consistent scheme. The bend at the end
-    /// fitting keeps half a Voronoi length, which the tables could not tell from a whole one or from none:
+    /// fitting keeps half a Voronoi length, which the tables do not distinguish from a whole one or from none:
     /// the difference is 0.03 % of EI.
     Paper,
 }
 
 /// The stencil of one rod, with the clamp's compliance in its first rows.
 ///
-/// A clamp that gives stands in series with the rod: of the turning angle at the root it takes
+/// A compliant clamp is in series with the rod: of the turning angle at the root it takes
 /// `compliance · m`, where `m` is the elastic moment that the rest of that angle causes. The split is
 /// kept for every other moment of the root.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ impl<T: Number> Stencil<T> {
         self.root = stiff.root.map(|row| [0, 1, 2].map(|k| row[k] - row[0] * compliance * self.clamp[k]));
     }
 
-    /// Length of rod that a bend stands for, over the edge length.
+    /// Length of rod that a bend represents, over the edge length.
     #[inline(always)]
     pub fn weight(&self, bend: usize) -> f64 {
         let from_end = bend.min(self.edges - bend);
@@ -207,7 +207,7 @@ impl<T: Number> Stencil<T> {
     }
 
     /// What the squares of the angles at both ends of an edge count in its arc, `1 + Σ w φ²`. The angles at the
-    /// ends of the rod hold half a cell, and at the root the clamp's turn, so their neighbours stand in for them.
+    /// ends of the rod hold half a cell, and at the root the clamp's turn, so their neighbours replace them.
     #[inline(always)]
     pub(crate) fn arc(&self, edge: usize) -> [f64; 2] {
         match self.scheme {

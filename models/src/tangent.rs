@@ -219,7 +219,7 @@ impl<T: Plain> Tangent<T> {
         let zero = T::default();
         let mut strain = [zero, zero, f.arc[j] * per_rest_length];
         let mut strain_rate = [zero, zero, f.arc_rate[j] * per_rest_length];
-        // The strain's second derivative; what the angle's own is stands with the moments.
+        // The strain's second derivative; the angle's own is among the moments.
         let mut curve = [[zero; 3]; 3];
         for (k, (bend, weight)) in [(j, before), (j + 1, after)].into_iter().enumerate() {
             let (angle, slope, rate) = (f.angle[bend], f.angle_slope[bend], f.angle_rate[bend]);

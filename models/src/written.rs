@@ -42,7 +42,7 @@ pub struct Definition {
     pub signature: String,
     /// Effects with which recordings confound it.
     pub confounded_with: Vec<String>,
-    /// What tells it from those.
+    /// What distinguishes it from those.
     pub separated_by: Vec<Separator>,
     /// What has its own values of the parameters.
     pub reach: Reach,
@@ -74,7 +74,7 @@ pub struct OwnParameter {
     pub is_part: bool,
     /// Whether it is the size of a friction.
     pub is_friction: bool,
-    /// What a diagnosis believes of it, in units of `per`.
+    /// Its plausible range in a diagnosis, in units of `per`.
     pub plausible: Option<(f64, f64)>,
     /// What of the rod that is over.
     pub per: Per,
@@ -82,7 +82,7 @@ pub struct OwnParameter {
     pub tries: Vec<f64>,
 }
 
-/// Names of what believed values are over.
+/// Names of the scales of plausible values.
 pub const PER: [(&str, Per); 7] = [
     ("unit", Per::Unit),
     ("mass", Per::Mass),
@@ -101,7 +101,7 @@ pub const KINDS: [(&str, Kind); 3] =
 pub const REACHES: [(&str, Reach); 3] =
     [("muscle", Reach::Muscle), ("pressure", Reach::Pressure), ("release", Reach::Release)];
 
-/// Names of what tells effects apart.
+/// Names of what distinguishes effects.
 pub const SEPARATORS: [(&str, Separator); 12] = [
     ("body_markers", Separator::BodyMarkers),
     ("pressures", Separator::Pressures),
@@ -183,7 +183,7 @@ pub enum LawProblem {
     /// A default or an off value outside the range, a range without room.
     #[error("{value}: must lie in the range {low}..={high}")]
     Range {
-        /// Value met.
+        /// Value found.
         value: f64,
         /// The range.
         low: f64,

@@ -290,7 +290,7 @@ fn frequencies_of_a_cantilever_with_a_tip_body() {
 /// Goal: the consistent scheme is of third order at least in the edge length, for a posture beyond small
 /// angles and for a frequency about it. Expected: differences between successive meshes fall with a
 /// slope of at least 2.5 over four refinements from 6 edges on; the paper's scheme is of first order, which shows
-/// that the test can tell.
+/// that the test can detect the order.
 #[test]
 fn the_consistent_scheme_is_of_high_order() {
     for (scheme, edges, expected) in [
@@ -400,7 +400,7 @@ fn every_clamp_angle_comes_to_rest() {
 }
 
 /// Goal: any start ends in a stable posture. Setup: rods crumpled by three edge lengths. Expected:
-/// stable; which of several such postures is not asked. Where the start leads nowhere within the
+/// stable; which of several such postures is not tested. Where the start leads nowhere within the
 /// iterations of one step, the straight rod is taken.
 #[test]
 fn crumpled_starts_come_to_rest() {
@@ -441,7 +441,7 @@ fn column_gives_way_above_its_critical_load() {
     }
 }
 
-/// Goal: a start far from rest does not lead astray. Setup: crooked postures, thrown up. Expected:
+/// Goal: a start far from rest does not prevent convergence. Setup: crooked postures, thrown up. Expected:
 /// the rest posture that the straight rod finds. Tolerance: as for mirrored clamps.
 #[test]
 fn crooked_starts_come_to_the_same_rest() {

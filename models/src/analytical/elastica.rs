@@ -8,7 +8,7 @@
 //! - `z_tip / L = s − (1−s²) (2s)^{3/2} R_D(1−s, 1+s, 1−s²) / (6α)`.
 //!
 //! Source: Bisshopp and Drucker (1945), Large deflection of cantilever beams, Quarterly of Applied
-//! Mathematics 3, their equations for `α`, `(L−Δ)/L` and `δ/L`. They stand here in Carlson's
+//! Mathematics 3, their equations for `α`, `(L−Δ)/L` and `δ/L`. They are written here in Carlson's
 //! symmetric forms instead of `K(k) − F(k, φ1)` and `E(k) − E(k, φ1)`, `k² = (1+s)/2`: those
 //! differences lose their digits under a small load, these do not. `z_tip` follows from
 //! `s − z_tip/L = ∫ θ'² dσ L / (2α²)`, the first integral taken along the rod.

@@ -30,7 +30,7 @@ impl Pendulum {
     ///
     /// `amplitude`: largest angle from hanging straight down, rad, in `−π < amplitude < π`.
     /// # Panics
-    /// If the amplitude is outside of that range: the body would stand on its head, or go round.
+    /// If the amplitude is outside of that range: the body would be upside down, or rotate.
     pub fn period(&self, amplitude: f64) -> f64 {
         assert!(amplitude.abs() < std::f64::consts::PI, "amplitude {amplitude} rad");
         4.0 * complete_first((0.5 * amplitude).cos()) / self.small_swing_frequency()

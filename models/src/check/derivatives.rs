@@ -123,7 +123,7 @@ pub fn parameters_match_differences(model: &Model, s: &State) -> Result<(), Stri
         system.by_parameters(group, s.time, &s.q, &s.v, &s.z, &mut by_theta, &mut rate_by_theta);
         for lane in 0..LANES.min(all.len() - group * LANES) {
             let k = group * LANES + lane;
-            // Long enough that what it does to a mass of a gram stands out of the rounding of EA/ℓ x.
+            // Long enough that what it does to a mass of a gram exceeds the rounding of EA/ℓ x.
             let step = 1e-3 * model.parameters[k].scale.max(model.theta[k].abs() * 0.1);
             let side = |sign: f64| {
                 let mut moved = model.clone();

@@ -88,8 +88,8 @@ pub struct Parameter {
     /// Whether it is the size of a friction: where that is small against what it holds, the rod slips, and small
     /// vibrations, in which friction sticks as a spring, are not those of a swing.
     pub is_friction: bool,
-    /// Smallest and largest value that a diagnosis believes of a rod in a laboratory, in units of [`Self::per`];
-    /// none for all that is admissible. A fit that ends there goes on with a wider range.
+    /// Smallest and largest value that a diagnosis finds plausible for a rod in a laboratory, in units of
+    /// [`Self::per`]; none for all that is admissible. A fit that ends there is repeated with a wider range.
     pub plausible: Option<(f64, f64)>,
     /// What of the rod plausible and tried values are over.
     pub per: Per,
@@ -119,7 +119,7 @@ impl Parameter {
     };
 }
 
-/// What of the rod a believed value is measured by, so that what is believed of a muscle of 30 g suits a cable of 400 g.
+/// The property of the rod that scales a plausible value, so that one range suits a muscle of 30 g and a cable of 400 g.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
     /// Nothing: the SI unit itself.
@@ -164,7 +164,7 @@ pub enum Reach {
     Release,
 }
 
-/// What an experiment can have more of, to tell effects apart.
+/// What an experiment can add to distinguish effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Separator {
     /// Markers along the body.
@@ -205,7 +205,7 @@ pub struct About {
     /// Where it acts.
     pub places: &'static [Place],
     /// How many memories of the effect's own each bend carries. The moment is the sum over them, and the
-    /// law is asked for one at a time, see [`Bend::branch`](super::Bend::branch); so no memory can depend on another.
+    /// law is evaluated for one at a time, see [`Bend::branch`](super::Bend::branch); so no memory can depend on another.
     pub memory: usize,
     /// Whether its law names the time.
     pub timed: bool,
@@ -215,7 +215,7 @@ pub struct About {
     pub signature: &'static str,
     /// Names of effects with which recordings confound it.
     pub confounded_with: &'static [&'static str],
-    /// What tells it from those.
+    /// What distinguishes it from those.
     pub separated_by: &'static [Separator],
     /// What has its own values of the parameters.
     pub reach: Reach,

@@ -6,7 +6,7 @@
 //!   C     rotational compliance         rad/(N m)
 //!   M     moment at the root            N m
 //!
-//! Assumes:  Elastic and without mass. Clamp and root bend stand in series: they share the root's
+//! Assumes:  Elastic and without mass. Clamp and root bend are in series: they share the root's
 //!           rotation in the ratio of their elastic stiffnesses, and that share is kept for all
 //!           that acts in the root bend, damping included.
 //! Off:      compliance = 0.

@@ -10,7 +10,7 @@
 //!   p_ref    pressure at which a and b are given                   Pa
 //!   EA, EI   `rod.axial_stiffness`, `rod.bending_stiffness`         N, N m²
 //!
-//! Assumes:  A straight line over pressure. It stands beside `rayleigh_mass` and `rayleigh_stiffness`,
+//! Assumes:  A straight line over pressure. It adds to `rayleigh_mass` and `rayleigh_stiffness`,
 //!           whose rates become those without pressure: α + a p̂ and β + b p̂ in all. With a and b from
 //!           zero up it takes energy at every pressure; a loss that falls with pressure it cannot
 //!           give, because such a line would feed energy somewhere.

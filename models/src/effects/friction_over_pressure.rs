@@ -12,7 +12,7 @@
 //!   κ_b     curvature over which friction turns round, 0.01 1/m
 //!
 //! Assumes:  Friction in proportion to the contact force of the strands, and that in proportion to the
-//!           pressure. It stands beside `braid_friction`, whose moment does not depend on the pressure:
+//!           pressure. It adds to `braid_friction`, whose moment does not depend on the pressure:
 //!           M_f + M_p p̂ in all. The same moment in every section. When the rod is let go z = 0, unless
 //!           `[release] history` says otherwise.
 //! Off:      friction_moment = 0.
@@ -42,7 +42,7 @@ impl Law for FrictionOverPressure {
         memory: 1,
         timed: false,
         parameters: &[
-            // Not tried by diagnoses on its own: over few pressures it cannot be told from `braid_friction`, whose moment a
+            // Not tried by diagnoses on its own: over few pressures it cannot be distinguished from `braid_friction`, whose moment a
             // fit finds at each pressure anyway.
             Parameter {
                 meaning: "friction moment that the reference pressure adds",

@@ -81,7 +81,7 @@ catalogue! {
     pressure_volume::PressureVolume,
     latent_moment::LatentMoment,
     pressure_line::PressureLine,
-    // In the order in which they stand between a point of the rod and its place in a recording.
+    // In the order in which they act between a point of the rod and its place in a recording.
     marker_offset::MarkerOffset,
     out_of_plane::OutOfPlane,
     frame_tilt::FrameTilt,

@@ -34,8 +34,8 @@ impl<L: Instance> Registered<L> {
     }
 }
 
-/// Whether laws can act at a place. Asked of constants, so that no loop is compiled for a place where they
-/// cannot: with forty laws and five scalars that is most of them.
+/// Whether laws can act at a place. Evaluated from constants, so that no loop is compiled for a place where
+/// they cannot: with forty laws and five scalars that is most of them.
 const fn acts<L: Instance>(place: Place) -> bool {
     let mut k = 0;
     while k < L::PLACES.len() {

@@ -98,7 +98,7 @@ mod tests {
         rod_with(&[gravity, ("tip_mass", &mass), ("tip_load", &[("force_z", load)])])
     }
 
-    /// A weight that is told as a dead load: the same forces as those of the mass that weighs.
+    /// A weight stated as a dead load gives the same forces as the mass itself.
     #[test]
     fn its_weight_may_be_told_as_a_load() {
         let (weighed, told) = (forces(&with(0.0, 1.0, 0.0)).0, forces(&with(0.0, 0.0, -MASS * 9.81)).0);

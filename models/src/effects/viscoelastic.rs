@@ -1,4 +1,4 @@
-//! Viscoelastic bending: a spring and a dashpot in series stand beside the bending stiffness.
+//! Viscoelastic bending: a spring and a dashpot in series, parallel to the bending stiffness.
 //!
 //! Law:      M = g EI (κ − z),   ż = (κ − z) / τ
 //!

@@ -177,7 +177,7 @@ fn put(
                 (Operator::Divide, _) => pair(Step::Divide, left, right, steps),
                 (Operator::Multiply, _) => {
                     let depth = pair(Step::Multiply, left, right, steps)?;
-                    // A factor that needed no step of its own is multiplied where it stands.
+                    // A factor that needed no step of its own is multiplied in place.
                     let at = steps.len() - 2;
                     let fused = match steps[at] {
                         Step::Parameter(k) => Some(Step::TimesParameter(k)),

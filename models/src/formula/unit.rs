@@ -68,7 +68,7 @@ impl fmt::Display for Measure {
     }
 }
 
-/// What a formula measures; none for a zero, which may stand for any quantity. `of` knows the names.
+/// What a formula measures; none for a zero, which suits any quantity. `of` knows the names.
 /// # Errors
 /// [`FormulaError`] at the part whose units do not go together, or at a name that `of` refuses.
 pub fn measure(

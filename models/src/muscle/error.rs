@@ -1,4 +1,4 @@
-//! What can be wrong with a muscle file, or with what is asked of a muscle.
+//! What can be wrong with a muscle file, or with a request to a muscle.
 
 use thiserror::Error;
 
@@ -47,7 +47,7 @@ pub enum MuscleError {
         /// Those that there may be.
         known: Vec<&'static str>,
     },
-    /// A column stands twice.
+    /// A column is given twice.
     #[error("table.columns: \"{column}\" stands twice; give each column once")]
     ColumnTwice {
         /// Its name.
@@ -58,7 +58,7 @@ pub enum MuscleError {
     MissingColumn {
         /// Its name.
         column: &'static str,
-        /// What it is needed for, or what may stand for it.
+        /// What it is needed for, or what may replace it.
         why: &'static str,
     },
     /// There are not as many units as columns.
@@ -129,7 +129,7 @@ pub enum MuscleError {
         /// The pressure, Pa.
         pressure: f64,
     },
-    /// The pressure lies outside the table and extrapolation was not asked for.
+    /// The pressure lies outside the table and extrapolation was not requested.
     #[error("pressure = {}: outside the table of {muscle}, {}; choose a pressure inside, or set extrapolation = \"allowed\"", pressure_text(*.pressure), range_text(*.range))]
     OutsideTable {
         /// Name of the muscle.
@@ -165,7 +165,7 @@ pub(super) fn range_text((low, high): (f64, f64)) -> String {
     format!("{psi} ({kpa})")
 }
 
-/// To three decimals: fine enough to tell a pressure from the end of a table that it misses. A pressure that would be
+/// To three decimals: fine enough to distinguish a pressure from the end of a table that it misses. A pressure that would be
 /// left with less than two digits keeps four.
 fn in_unit(pascal: f64, unit: &str) -> String {
     let value = pascal / Unit::parse(unit).map_or(1.0, |unit| unit.scale);

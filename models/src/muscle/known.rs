@@ -48,8 +48,8 @@ pub struct Misfit {
     pub frequency_hz: Option<[f64; 2]>,
 }
 
-/// Offset of the tip's marker from the tip of the model. The marker stands off the rod's end, or the clamp is not where it is
-/// stated. Axes of the model: along the level, and up.
+/// Offset of the tip's marker from the tip of the model: the marker is off the rod's end, or the clamp is not where it
+/// is stated. Axes of the model: along the level, and up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Marker {
@@ -115,10 +115,10 @@ pub struct KnownAt {
     pub undetermined: Vec<CalibratedParameter>,
 }
 
-/// A parameter of the model that is asked about.
+/// The requested parameter of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Here {
-    /// Its value at the pressure that is asked about.
+    /// Its value at the pressure requested.
     pub value: f64,
     /// Its typical size: the standard deviation that is taken where the data determine none.
     pub scale: f64,
@@ -396,7 +396,7 @@ mod tests {
     }
 
     /// Without a standard error a number is taken to be known to its own size, or to its typical size where it is
-    /// smaller; it is named, and so is one that cannot be told from zero.
+    /// smaller; it is named, and so is one that cannot be distinguished from zero.
     #[test]
     fn what_is_not_determined_is_named() {
         let named = |value: f64, standard_error: Option<f64>| {

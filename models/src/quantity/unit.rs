@@ -29,7 +29,7 @@ impl Dimension {
     /// A ratio: no unit at all.
     pub const NONE: Dimension = dimension(0, 0, 0, 0);
 
-    /// Whether a value of this dimension may stand where `due` is due.
+    /// Whether a value of this dimension is accepted where `due` is due.
     ///
     /// The radian may be missing or superfluous beside mass or length, as in a compliance in
     /// 1/(N m). Angles and rates are compared in full: a frequency in Hz is not an angular

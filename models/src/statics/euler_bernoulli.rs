@@ -13,7 +13,7 @@
 //! | q | `weight_per_length` | N/m |
 //! | P | `tip_weight` | N |
 //!
-//! Weights are positive numbers and pull towards −z: the minus signs stand in the equations. The
+//! Weights are positive numbers and pull towards −z: the equations contain the minus signs. The
 //! curvature is `z''` and the lever arms are those of the undeformed beam, so the curve is too steep
 //! where slopes pass one; the walk only mends its length.
 //!

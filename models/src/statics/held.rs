@@ -2,7 +2,7 @@
 //!
 //! The load with which it is held is dead: a force at right angles to the clamp, and a moment if it is turned, on the end
 //! of the active length. At a level clamp the force is vertical, as a string is in a laboratory; a vertical one would only
-//! stretch a rod that hangs. The load is found by Newton's method on what the hold asks for, each step of which finds a rest; what is asked for moves from
+//! stretch a rod that hangs. Newton's method on the hold's targets finds the load; each step finds a rest. The targets move from
 //! the free rest to where it is wanted, in steps as large as Newton's method can follow.
 
 use nalgebra::{DMatrix, DVector};
@@ -56,7 +56,7 @@ pub fn held(model: &Model, hold: &Hold) -> Result<(Model, Vec<usize>), ModelErro
 /// A rest under a load.
 struct Rest {
     q: Vec<f64>,
-    /// What the hold asks about, off what it asks for: the end's direction, and its angle.
+    /// Deviation from the hold's targets: the end's direction, and its angle.
     asked: DVector<f64>,
 }
 
@@ -110,7 +110,7 @@ impl<'h> Search<'h> {
         let mut system = System::new(&self.model);
         let end = system.assembly.posture(&q, &vec![0.0; q.len()]);
         let [x, z] = end.nodes[self.model.edges];
-        // Angles are counted from the one asked for, so that straight up and down are nothing special.
+        // Angles are counted from the target, so that straight up and down are nothing special.
         let (sin, cos) = self.hold.direction.sin_cos();
         let mut asked = vec![f64::atan2(cos * z - sin * x, cos * x + sin * z)];
         asked.extend(self.hold.end_angle.map(|angle| end.angle - angle));

@@ -1,6 +1,6 @@
 //! Small free vibrations about a rest posture: `K φ = ω² M φ`.
 //!
-//! Inverse subspace iteration: a few shapes more than are asked for go through `K⁻¹ M` together and
+//! Inverse subspace iteration: a few shapes more than requested go through `K⁻¹ M` together and
 //! are made orthonormal in `M`; of the small matrix that is left, the largest eigenvalues are
 //! `1/ω²` of the slowest modes. Each pass costs a few back-substitutions, linear in the nodes.
 //!
@@ -95,7 +95,7 @@ fn slowest(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>, M
     Ok(modes)
 }
 
-/// Shapes beyond those asked for: the iteration converges with `(ω_wanted / ω_beyond)²`.
+/// Shapes beyond those requested: the iteration converges with `(ω_wanted / ω_beyond)²`.
 const GUARDS: usize = 6;
 const MOST_PASSES: usize = 200;
 

@@ -63,7 +63,7 @@ impl Path {
         }
     }
 
-    /// Starts at the posture `q` at which the system stands, in the direction of an increment of
+    /// Starts at the posture `q` of the system, in the direction of an increment of
     /// coordinates. Returns the share of the path after which a bend would be folded, an edge
     /// turned too far or crushed, at most 1.
     pub fn leave(&mut self, system: &System, q: &[f64], increment: &[f64]) -> f64 {
@@ -133,7 +133,7 @@ impl Path {
 }
 
 /// From tangent stiffness to the second derivative of the energy along paths: adds what their
-/// curve does against the forces `force` that are left at the posture where the system stands.
+/// curve does against the remaining forces `force` at the present posture of the system.
 pub(super) fn add_curve(system: &System, force: &[f64], hessian: &mut Banded) {
     let f = &system.assembly.fields;
     let c = &system.assembly.context;

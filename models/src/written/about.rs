@@ -150,7 +150,7 @@ fn check_parameter(own: &OwnParameter) -> Result<(), LawError> {
         let (value, low, high) = (own.scale.unwrap_or_default(), f64::MIN_POSITIVE, f64::MAX);
         return Err(wrong(&key("scale"), LawProblem::Range { value, low, high }));
     }
-    // Over what a rod has, only a rod tells.
+    // A range over a property of the rod needs a rod.
     let is_outside = |value: &&f64| own.per == Per::Unit && !(low..=high).contains(*value);
     if let Some(value) = own.tries.iter().find(is_outside) {
         return Err(wrong(&key("tries"), LawProblem::Range { value: *value, low, high }));

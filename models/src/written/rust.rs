@@ -151,7 +151,7 @@ impl Definition {
             let (text, own) = self.expression(term, output);
             if own < least { format!("({text})") } else { text }
         };
-        // To the right of an operator a plain number may stand as it is.
+        // To the right of an operator a plain number needs no parentheses.
         let right = |term: &Term, least: u8| match term.node {
             Node::Number(number) => format!("{number:?}"),
             _ => at_least(term, least),
