@@ -12,7 +12,7 @@ use efam_core::stepper::Stepper;
 /// Between two commands, s.
 const STEP: f64 = 0.01;
 
-/// The pressure that a regulator is told to hold, Pa: from 100 to 400 kPa in the second second.
+/// The pressure that a regulator must hold, Pa: from 100 to 400 kPa in the second second.
 fn commanded(time: f64) -> f64 {
     100e3 + 300e3 * (time - 1.0).clamp(0.0, 1.0)
 }

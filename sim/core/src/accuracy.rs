@@ -19,7 +19,7 @@ use crate::trajectory::{Status, Trajectory};
 pub use errors::{Errors, energy_warning, order, unclosed};
 use errors::{apart, estimate};
 
-/// What is asked of a run.
+/// The accuracy that a run must reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     /// Largest error of the tip's path, m; none for [`usual`].
@@ -30,7 +30,7 @@ pub struct Goal {
     pub chooses_tolerance: bool,
 }
 
-/// Accuracy unless another is asked for, m: results are printed to a tenth of a millimetre.
+/// Default accuracy, m: results are printed to a tenth of a millimetre.
 const USUAL: f64 = 2e-5;
 /// The same of small swings, as a share of them: frequencies and damping ratios are printed to three digits.
 const USUAL_SHARE: f64 = 1e-3;
@@ -40,8 +40,7 @@ pub const AT_REST: f64 = 1e-6;
 /// No accuracy is finer than that, over the length of the rod: a stiff edge rounds there.
 const FINEST: f64 = 1e-8;
 
-/// The accuracy that a run has unless another is asked for, m: 0.02 mm, of small swings a thousandth. A rod that is
-/// at rest does not swing.
+/// The default accuracy of a run, m: 0.02 mm, of small swings a thousandth. A rod that is at rest does not swing.
 pub fn usual(model: &Model, swing: f64) -> f64 {
     let length = model.rod().length;
     if swing < AT_REST * length { USUAL } else { USUAL.min(USUAL_SHARE * swing).max(FINEST * length) }
@@ -67,7 +66,7 @@ const MOST_ATTEMPTS: usize = 6;
 /// folds. One alone may be the first that resolves the rod: what a coarser mesh says before that is too good.
 const CONVERGES: f64 = 0.5;
 const MOST_STALLED: usize = 2;
-/// Steps times edges that no attempt may be expected to take: some seconds that nobody asked for.
+/// Steps times edges that no attempt may be expected to take: some seconds beyond what was requested.
 const MOST_WORK: f64 = 3e6;
 /// Edges and tolerance of a first attempt, from releases of the paper's muscle at all its pressures: there the error
 /// of the mesh is at most `2.6 A / edges⁴`, that of the steps some ten times the tolerance times `A`, where `A` is the
@@ -119,7 +118,7 @@ fn begin(
     Ok(run.on_mesh(model, edges.clamp(FEWEST_EDGES, MOST_FIRST_EDGES) + 1)?)
 }
 
-/// Runs a model, estimates its errors, and chooses mesh and tolerance anew until they are as small as asked.
+/// Runs a model, estimates its errors, and chooses mesh and tolerance anew until they are as small as requested.
 /// `see` sees the samples of each attempt; what it breaks off, or what cannot go on, is returned as it is.
 ///
 /// ```

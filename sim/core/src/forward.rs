@@ -104,7 +104,7 @@ impl Sample<'_> {
 pub fn start_of_tip(model: &Model, run: &Run) -> Result<[f64; 2], ForwardError> {
     let mut system = System::new(model);
     let State { q, v, .. } = run.initial.state_of(&mut system, None)?;
-    // The arm of the end body is that of the model, wherever it stands.
+    // The arm of the end body is that of the model, at every posture.
     Ok(system.observed_tip(&q, &v).0)
 }
 

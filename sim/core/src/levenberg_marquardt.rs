@@ -106,8 +106,8 @@ pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evalua
 /// earlier point carried, it may take the slopes of that point for its own. None, if the cost cannot be
 /// had at the start.
 ///
-/// With [`Search::reuses_slopes`] slopes are reused from point to point as long as the cost falls as they
-/// foretell. The last word belongs to slopes of the point itself or of one that is a standard error away, unless
+/// With [`Search::reuses_slopes`] slopes are reused from point to point as long as they predict the cost's fall.
+/// The final steps use slopes of the point itself or of one within a standard error, unless
 /// [`Search::is_followed`].
 pub fn minimise<T>(
     start: &DVector<f64>,

@@ -1,4 +1,4 @@
-//! Where a model should not be believed: strains that its linear laws do not reach, loads that nobody measured, and
+//! Where a model is not valid: strains that its linear laws do not reach, loads that nobody measured, and
 //! rests that do not hold.
 
 use models::digits::significant;

@@ -94,7 +94,7 @@ pub enum LinearError {
          base_acceleration_z, and the parameters of the model, such as {example}"
     )]
     UnknownInput {
-        /// Name met.
+        /// Name found.
         name: String,
         /// What may be meant.
         offer: String,
@@ -107,7 +107,7 @@ pub enum LinearError {
          point_0.5_z, half way from the clamp"
     )]
     UnknownOutput {
-        /// Name met.
+        /// Name found.
         name: String,
         /// What may be meant.
         offer: String,

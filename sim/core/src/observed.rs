@@ -1,6 +1,6 @@
 //! Observed points: from coordinates to what a recording shows of the rod.
 //!
-//! Between the two stand the effects on what is observed (`models::sensor`). They move no rod, so
+//! Between the two act the effects on what is observed (`models::sensor`). They move no rod, so
 //! their sensitivities are algebra at each sample, and take no part in the integration.
 
 use models::effects::{LANES, Lanes, Real, Sight};
@@ -158,7 +158,7 @@ impl Observer {
         self.in_order(&of_tip)
     }
 
-    /// Whether derivatives are asked for.
+    /// Whether derivatives are requested.
     pub fn is_differentiated(&self) -> bool {
         !self.lanes.is_empty()
     }
@@ -168,7 +168,7 @@ impl Observer {
     }
 }
 
-/// Where an observed point stands in the coordinates.
+/// An observed point in the coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Observed {
     /// The observed tip.

@@ -33,7 +33,7 @@ pub struct Run {
     pub initial: Initial,
     /// What the memory of the effects has seen before; none: it is relaxed where the rod starts.
     pub history: Option<History>,
-    /// End of the run, s after release; later where the clock of what observes asks for it.
+    /// End of the run, s after release; later where the recording's clock requires it.
     pub duration: f64,
     /// Times at which the trajectory is sampled, s, ascending: of states since release, of the points
     /// by the clock of what observes.
@@ -105,7 +105,7 @@ impl Cancel {
     }
 }
 
-/// The integrator that a run takes unless told otherwise.
+/// The default integrator of a run.
 pub const DEFAULT_METHOD: Method = Method::Auto;
 /// Tolerance of fits and sweeps: the tip of the paper's muscle stays within 0.05 mm rms.
 pub const FAST_TOLERANCE: f64 = 3e-5;

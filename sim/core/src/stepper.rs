@@ -112,8 +112,8 @@ impl Stepper {
         self.step_to(self.state().time + duration)
     }
 
-    /// Goes on up to a time, s, and ends there: the integrator makes as many steps of its own as the tolerance asks
-    /// for.
+    /// Goes on up to a time, s, and ends there: the integrator makes as many steps of its own as the tolerance
+    /// needs.
     /// # Errors
     /// [`IntegrateError`]; the time says how far it came. [`set_state`](Self::set_state) begins anew.
     /// # Panics
@@ -144,7 +144,7 @@ impl Stepper {
         kinks.get(kinks.partition_point(|kink| *kink <= time)).map_or(end, |kink| kink.min(end))
     }
 
-    /// Where it stands.
+    /// The present state.
     pub fn state(&self) -> &State {
         self.integrator.state()
     }

@@ -20,7 +20,7 @@ pub struct Errors {
     pub mesh_m: f64,
     /// When that is, after release.
     pub mesh_time_s: f64,
-    /// Nodes of the coarser run that tells.
+    /// Nodes of the coarser run, which gives the error.
     pub coarse_nodes: usize,
     /// Largest distance of the tip from where infinitely short steps would have it.
     pub step_m: f64,

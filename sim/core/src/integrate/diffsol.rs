@@ -131,7 +131,7 @@ impl Reached for Run {
 
     fn interpolate(&mut self, time: f64, state: &mut State) {
         self.desk.request.set(Some(Request::State(time)));
-        // After a failure there is no solver left to ask: the last state is what remains.
+        // After a failure the solver is gone: only the last state remains.
         match self.poll() {
             Ok(()) => copy(&self.desk.answer.borrow(), state),
             Err(_) => copy(&self.state, state),
@@ -221,7 +221,7 @@ fn problem(model: &Model, start: &State, control: &Control) -> OdeSolverProblem<
 
 type Solver<'p> = Sdirk<'p, Equations, BandSolver>;
 
-/// diffsol's solver on its way from stop to stop.
+/// diffsol's solver between two stops.
 struct Pilot<'p> {
     problem: &'p OdeSolverProblem<Equations>,
     solver: Solver<'p>,

@@ -216,7 +216,7 @@ pub enum IntegrateError {
     NotFinite {
         /// Time, s.
         time: f64,
-        /// Node where it was met first.
+        /// Node where it was found first.
         node: usize,
     },
     /// Newton's method did not converge.

@@ -62,7 +62,7 @@ pub struct Variational {
 }
 
 /// Parameters that move the rod, each once, in the order in which they fill the groups: those of one law alone, which cost
-/// less, stand together.
+/// less, are adjacent.
 pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
     let mut order: Vec<usize> = Vec::new();
     for k in parameters.iter().filter(|k| !model.is_of_sensor(**k)) {

@@ -165,7 +165,7 @@ impl OdeEquations for Equations {
     fn get_params(&self, _p: &mut V) {}
 }
 
-/// Tangents where diffsol last asked for the Jacobian, and the factors of its step.
+/// Tangents where diffsol last requested the Jacobian, and the factors of its step.
 pub(super) struct Tangents {
     system: System,
     factors: Coupled,
@@ -235,7 +235,7 @@ impl Tangents {
 }
 
 /// Linear solver in the coordinates alone, with a narrow band. `None` only as the default that
-/// diffsol asks for, which it takes for copies of a whole solver: we make none.
+/// diffsol requires, which it takes for copies of a whole solver: we make none.
 #[derive(Default)]
 pub struct BandSolver {
     tangents: Option<Rc<RefCell<Tangents>>>,
