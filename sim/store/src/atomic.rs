@@ -60,7 +60,7 @@ pub(super) fn replaced(
         let _ = disk::remove_file(&partial.path);
     }
     done?;
-    // The rename stands; that it also outlives a power cut is asked for, not insisted on.
+    // The rename is done. Surviving a power cut as well is attempted, not required.
     let _ = disk::sync_folder(folder);
     Ok(())
 }

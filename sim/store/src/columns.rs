@@ -188,7 +188,7 @@ pub struct ParquetFile<W: Write + Send> {
 impl<W: Write + Send> ParquetFile<W> {
     /// Begins it; `about` becomes its key-value metadata.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn begin(to: W, columns: &[Column], about: &[(&str, String)]) -> io::Result<Self> {
         let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
         let entries = about.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
@@ -203,7 +203,7 @@ impl<W: Write + Send> ParquetFile<W> {
 
     /// Writes some rows, column by column.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn write(&mut self, columns: Vec<Cells>) -> io::Result<()> {
         let arrays = self.holds.iter().zip(columns).map(|(holds, cells)| cells.array(*holds));
         let batch = RecordBatch::try_new(self.schema.clone(), arrays.collect())
@@ -213,7 +213,7 @@ impl<W: Write + Send> ParquetFile<W> {
 
     /// Ends it.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn finish(self) -> io::Result<()> {
         self.writer.close().map(|_| ()).map_err(cause)
     }
@@ -229,7 +229,7 @@ pub struct CsvFile<W: Write> {
 impl<W: Write> CsvFile<W> {
     /// Begins it with a line of names.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn begin(to: W, columns: &[Column]) -> io::Result<Self> {
         let mut to = csv::Writer::from_writer(to);
         to.write_record(columns.iter().map(|column| cell(&column.name).into_owned()))?;
@@ -238,7 +238,7 @@ impl<W: Write> CsvFile<W> {
 
     /// Writes some rows, column by column.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn write(&mut self, columns: &[Cells]) -> io::Result<()> {
         for row in 0..columns[0].len() {
             for (holds, cells) in self.holds.iter().zip(columns) {
@@ -253,7 +253,7 @@ impl<W: Write> CsvFile<W> {
 
     /// Ends it.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn finish(mut self) -> io::Result<()> {
         self.to.flush()
     }

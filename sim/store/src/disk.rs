@@ -141,7 +141,7 @@ pub(super) mod fault {
         use std::sync::LazyLock;
         use std::sync::atomic::{AtomicU64, Ordering};
 
-        /// Number of the call, whether the program ends there, and the file that tells of it.
+        /// Number of the call, whether the program ends there, and the file that records it.
         static PLAN: LazyLock<Option<(u64, bool, String)>> = LazyLock::new(|| {
             let plan = std::env::var("EFAM_FAULT").ok()?;
             let mut words = plan.splitn(3, ' ');

@@ -61,7 +61,7 @@ pub enum StoreError {
         /// Where the rest of the old one is.
         kept: PathBuf,
     },
-    /// A file stands where a folder is due.
+    /// A file is where a folder is due.
     #[error("{}: is a file where a folder is due; choose another --out, or move the file away", path.display())]
     NotAFolder {
         /// The file.

@@ -33,7 +33,7 @@ pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     )
 }
 
-/// JSON on one line with the same meaning, in which no hidden character stands raw.
+/// JSON on one line with the same meaning, with every hidden character escaped.
 pub fn escaped_json(json: &str) -> Cow<'_, str> {
     replaced(json, is_hidden, |c, to| write!(to, "\\u{:04x}", u32::from(c)))
 }
@@ -51,7 +51,7 @@ pub fn toml_string(text: &str) -> String {
 /// Source: OWASP, CSV Injection.
 const FORMULA: [char; 10] = ['=', '+', '-', '@', '\t', '\r', '＝', '＋', '－', '＠'];
 
-/// A word as a cell of CSV that no spreadsheet takes for a formula: an apostrophe stands before what begins like one.
+/// A word as a cell of CSV that no spreadsheet takes for a formula: an apostrophe precedes what begins like one.
 /// Numbers must not go through this.
 pub fn cell(word: &str) -> Cow<'_, str> {
     if word.trim_start_matches('\'').starts_with(FORMULA) {

@@ -53,7 +53,7 @@ pub enum Target<'a> {
 }
 
 /// Opens the folder `out` or, without it, a new one under [`OUTPUTS`] that is named after the hour, after
-/// `name` and after the text that asks for the results.
+/// `name` and after the text that requests the results.
 /// # Errors
 /// [`StoreError`].
 pub fn open(out: Option<&Path>, overwrite: bool, name: &str, asks: &str) -> Result<Folder, StoreError> {
@@ -77,7 +77,7 @@ pub struct Folder {
     given_up: RwLock<bool>,
 }
 
-/// Whether a given folder can take a run: to be asked before a long simulation.
+/// Whether a given folder can take a run: to be checked before a long simulation.
 /// # Errors
 /// [`StoreError::Exists`], [`StoreError::NotARun`], [`StoreError::Foreign`], [`StoreError::Changed`],
 /// [`StoreError::NotAFolder`] or [`StoreError::Unnamed`].
@@ -101,7 +101,7 @@ pub fn admit(folder: &Path, overwrite: bool) -> Result<(), StoreError> {
     }
 }
 
-/// [`foreign`], of one folder: asked again if another run took the name meanwhile, for then its answer mixes the two.
+/// [`foreign`], of one folder: repeated if another run took the name meanwhile, for then its answer mixes the two.
 fn foreign_in_one(run: &Path) -> io::Result<Option<Foreign>> {
     let mut answer = Ok(None);
     for _ in 0..MOST_RIVALS {
@@ -114,7 +114,7 @@ fn foreign_in_one(run: &Path) -> io::Result<Option<Foreign>> {
     answer
 }
 
-/// Tells a folder from another that gets its name: an inode alone is soon used again.
+/// Distinguishes a folder from another that gets its name: an inode alone is soon used again.
 #[cfg(unix)]
 fn identity(folder: &Path) -> io::Result<(u64, u64, SystemTime)> {
     use std::os::unix::fs::MetadataExt;
@@ -257,7 +257,7 @@ impl Folder {
             }
         };
         self.finished = true;
-        // The rename stands; that it also outlives a power cut is asked for, not insisted on.
+        // The rename is done. Surviving a power cut as well is attempted, not required.
         let _ = sync_folder(&parent(&folder));
         Ok(folder)
     }
@@ -327,7 +327,7 @@ impl Folder {
     }
 
     /// Removes the run that was replaced, which now has another name; if it holds what efam did not write, `undo` puts
-    /// it back. Asked before the exchange, this would miss what comes between the question and the exchange.
+    /// it back. A check before the exchange would miss what is written between the check and the exchange.
     fn remove(&self, old: &Path, undo: impl FnOnce() -> io::Result<()>) -> Result<(), StoreError> {
         // Under its hidden name the old run would be taken for left. Whoever holds it made it, and waits for nothing but
         // a run still older; or tidies, and waits for nothing.

@@ -30,7 +30,7 @@ pub struct Manifest {
     version: String,
     /// SHA-256 of each file but this one, by its path below the folder, with `/` between its parts.
     files: BTreeMap<String, String>,
-    /// SHA-256 of what stood under a name before: a program that is killed between manifest and rename leaves that.
+    /// SHA-256 of what a name held before: a program that is killed between manifest and rename leaves that.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     earlier: BTreeMap<String, Vec<String>>,
     /// Folders that commands may add later, each with a manifest of its own; `*` is any text.
@@ -170,7 +170,7 @@ pub(super) fn foreign(folder: &Path) -> io::Result<Option<Foreign>> {
 }
 
 /// Removes what the manifest of a folder lists, and the folder if nothing else is in it. What came into it since
-/// [`foreign`] was asked stays, and the folder with it.
+/// [`foreign`] looked stays, and the folder with it.
 /// # Errors
 /// What the file system said; [`ErrorKind::DirectoryNotEmpty`] where something stays.
 pub(super) fn remove(folder: &Path) -> io::Result<()> {
@@ -238,7 +238,7 @@ pub(super) fn hash(file: &Path) -> io::Result<String> {
     Ok(sha.hexadecimal())
 }
 
-/// Whether a path is like a pattern, part by part; a `*` in a part stands for any text without `/`.
+/// Whether a path is like a pattern, part by part; a `*` in a part matches any text without `/`.
 fn is_like(pattern: &str, path: &str) -> bool {
     let is_like = |(pattern, part): (&str, &str)| match pattern.split_once('*') {
         None => pattern == part,

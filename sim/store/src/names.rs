@@ -67,8 +67,8 @@ pub fn beside(target: &Path, what: &str) -> PathBuf {
     }
 }
 
-/// What the names begin with that [`beside`] gives on this machine. Of a long name only its beginning stands
-/// in them, for a file system takes 255 bytes.
+/// What the names begin with that [`beside`] gives on this machine. Of a long name they contain only the
+/// beginning, for a file system takes 255 bytes.
 pub fn begins(target: &Path, what: &str) -> String {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     format!(".{}.{what}-{}-", &name[..name.floor_char_boundary(MOST_BYTES)], host())

@@ -174,7 +174,7 @@ fn link_new(from: &Path, to: &Path) -> io::Result<()> {
     disk::remove_file(from)
 }
 
-/// Two paths change places, so that neither is ever without what it stands for.
+/// Two paths change places, so that neither is ever without content.
 /// # Errors
 /// One of them is not there, or the file system cannot do it.
 #[cfg(any(target_os = "linux", target_vendor = "apple"))]

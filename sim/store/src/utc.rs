@@ -1,4 +1,4 @@
-//! Time as names and marks tell it.
+//! Time as names and marks give it.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -77,7 +77,7 @@ pub struct Found {
 /// A file that cannot be read, is no Parquet, or has columns that [`crate::columns::ParquetFile`] does not write.
 pub fn table(path: &Path) -> io::Result<Vec<Found>> {
     guarded(|| {
-        // The units stand in the schema of Arrow.
+        // The schema of Arrow contains the units.
         let (reader, rows) = open(path)?;
         let kind = |field: &FieldRef| match field.data_type() {
             DataType::Int64 => Some(Holds::Counts),
@@ -215,7 +215,7 @@ mod tests {
         let said = about(&path).unwrap();
         assert_eq!((said.rows, said.entries["plan"].as_str()), (4, "abc"));
         assert!(read(&path, &columns()[..2]).unwrap_err().to_string().contains("other columns"));
-        // Cut short, it is refused and not believed.
+        // Cut short, it is refused.
         let bytes = std::fs::read(&path).unwrap();
         for length in [0, 3, bytes.len() / 2, bytes.len() - 1] {
             std::fs::write(&path, &bytes[..length]).unwrap();

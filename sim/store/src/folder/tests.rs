@@ -203,7 +203,7 @@ fn rivals_for_one_name_leave_one_whole_run() {
             rivals.into_iter().map(|rival| rival.join().unwrap()).filter(|done| *done).count()
         })
     };
-    // The others are refused at the beginning, or told at the end where their run is.
+    // The others are refused at the beginning, or get the place of their run at the end.
     assert_eq!(rivals(false), 1);
     for other in scratch.entries().iter().filter(|name| *name != "run") {
         assert!(other.starts_with("run_"), "{other}");
@@ -215,7 +215,7 @@ fn rivals_for_one_name_leave_one_whole_run() {
     assert!(fs::read_to_string(out.join(MARK)).unwrap().parse::<usize>().unwrap() < 8);
 }
 
-/// While one asks what the folder holds, others take its name, and remove what they replaced.
+/// While one checks what the folder holds, others take its name, and remove what they replaced.
 #[test]
 fn rivals_that_overwrite_again_and_again_are_not_refused() {
     let scratch = Scratch::new("again");

@@ -1,6 +1,6 @@
 //! A Parquet file looked through before the parquet package reads it.
 //!
-//! That package believes what a file states of itself: it takes memory for lists and pages of any stated length,
+//! That package trusts what a file states of itself: it takes memory for lists and pages of any stated length,
 //! and calls itself for each group within a group; both end the program, and no panic that could be caught. So
 //! footer and heads of pages are walked here first, and counts are held against the bytes that are there.
 //!
@@ -34,7 +34,7 @@ struct Chunk {
     dictionary: Option<i64>,
 }
 
-/// Looks through a whole file; `plain` admits no encoding by which a text may stand for many.
+/// Looks through a whole file; `plain` admits no encoding by which one text may represent many.
 /// # Errors
 /// In words, what does not hold together.
 pub fn look_through(file: &[u8], plain: bool) -> Result<(), Refused> {
@@ -120,7 +120,7 @@ fn pages_hold(bytes: &[u8], start: usize, values: i64, plain: bool) -> Result<()
 /// The number of the encoding that is none.
 const PLAIN: i64 = 0;
 
-/// What is met in a footer, a struct FileMetaData.
+/// Content of a footer, a struct FileMetaData.
 #[derive(Default)]
 struct Footer {
     chunks: Vec<Chunk>,
@@ -238,7 +238,7 @@ impl Visitor for Footer {
     }
 }
 
-/// What is met in the head of a page.
+/// Content of the head of a page.
 #[derive(Default)]
 struct Page {
     uncompressed: i64,

@@ -27,7 +27,7 @@ pub(super) struct Walk<'b> {
     path: Vec<i16>,
 }
 
-/// What is met on the way; each may refuse it.
+/// Receives each part of the structure; each method may refuse it.
 pub(super) trait Visitor {
     /// A field: what it holds, and what the members of a list do.
     fn field(&mut self, path: &[i16], kind: FieldType, members: Option<FieldType>) -> Option<()>;
