@@ -115,7 +115,7 @@ fn stated_delimiter(text: &str) -> Option<u8> {
     }
 }
 
-/// The delimiter of a text: tab, semicolon or comma, whichever first stands in most of its first lines.
+/// The delimiter of a text: tab, semicolon or comma, whichever is first found in most of its first lines.
 fn delimiter(text: &str) -> u8 {
     let lines = sample(text);
     let with = |mark: char| lines.iter().filter(|line| line.contains(mark)).count();
@@ -153,7 +153,7 @@ impl<'t> Rows<'t> {
         let record = StringRecord::new();
         let mut rows = Self { text, reader, record, is_held: false, line: 1, delimiter, is_strict: false };
         if stated.is_some() {
-            // The line that states it. What cannot be read is met again in the next.
+            // The line that states it. What cannot be read is found again in the next.
             let _ = rows.read();
         }
         rows
@@ -261,7 +261,7 @@ impl<'t> Rows<'t> {
         (is_word && self.cells().skip(1).all(str::is_empty)).then_some(first)
     }
 
-    /// The row as it stands there, cut short for a message.
+    /// The row as it is there, cut short for a message.
     pub(super) fn start(&self) -> String {
         let separator = if self.delimiter == b'\t' { " " } else { "," };
         let mut text = String::new();

@@ -31,7 +31,7 @@ pub(super) struct Clock {
 }
 
 impl Stated<'_> {
-    /// The clock, with a wanted rate over the stated one; `place` says where a sample stands.
+    /// The clock, with a wanted rate over the stated one; `place` says where a sample is.
     pub(super) fn clock(
         &self,
         wanted: Option<f64>,
@@ -102,7 +102,7 @@ impl Stated<'_> {
 }
 
 impl Clock {
-    /// Whether its times have digits enough to tell a step: a number has 53 binary ones.
+    /// Whether its times have digits enough to resolve a step: a number has 53 binary ones.
     fn resolves(&self) -> Result<(), RecordingProblem> {
         let largest = self.time.iter().fold(0.0, |largest: f64, time| largest.max(time.abs()));
         if f64::EPSILON * largest * self.rate_hz <= EVEN {

@@ -39,7 +39,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
     look_through(&bytes, false).map_err(RecordingProblem::Parquet)?;
     let length = bytes.len();
     let most = length.saturating_mul(MOST_EXPANSION);
-    // The schema of Arrow that may stand beside that of Parquet adds nothing here, and its reader
+    // The schema of Arrow that may be beside that of Parquet adds nothing here, and its reader
     // panics where it is broken.
     let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
     let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(Bytes::from(bytes), options)
@@ -58,7 +58,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
     let mask = ProjectionMask::roots(builder.parquet_schema(), wanted.iter().copied());
     let reader = builder.with_projection(mask).build().map_err(|error| broken(&error))?;
 
-    // Columns that are read stand in the order of the file, without the others.
+    // Columns that are read are in the order of the file, without the others.
     let places: BTreeMap<usize, usize> =
         wanted.iter().enumerate().map(|(place, column)| (*column, place)).collect();
     let place = |column: usize| places[&column];

@@ -40,7 +40,7 @@ pub(super) struct Draft {
     pub assumed_second: Option<String>,
     /// The first thing that is wrong with frames, times or rate; it does not matter if the person states a rate.
     pub wrong_clock: Option<RecordingProblem>,
-    /// Where each sample stands, for messages.
+    /// The place of each sample, for messages.
     pub places: Vec<u64>,
     /// What `places` count: lines, rows.
     pub place: &'static str,
@@ -182,7 +182,7 @@ fn name_visibly(markers: &mut [Marker], findings: &mut Vec<String>) {
 }
 
 impl Unit {
-    /// As a file states it: its word, if there is one, and where that stands; else `silent`.
+    /// As a file states it: its word, if there is one, and where that is; else `silent`.
     pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Unit {
         let Some(word) = word.filter(|word| !word.is_empty()) else { return silent };
         match (Length::named(word), Length::cut_off(word)) {

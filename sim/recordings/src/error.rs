@@ -67,7 +67,7 @@ pub enum RecordingProblem {
     UnknownFormat {
         /// First line that is not blank.
         line: u64,
-        /// What stands there, cut short.
+        /// The text there, cut short.
         text: String,
         /// Names of the formats.
         known: String,
@@ -94,9 +94,9 @@ pub enum RecordingProblem {
     Header {
         /// Where.
         line: u64,
-        /// What should stand there.
+        /// The text expected there.
         expected: String,
-        /// What stands there.
+        /// The text found there.
         met: String,
     },
     /// A header, and nothing after it.
@@ -114,7 +114,7 @@ pub enum RecordingProblem {
          positions), met {met}; or say what they hold, such as --columns t_s,z_mm"
     )]
     NoMarkers {
-        /// Columns met.
+        /// Columns found.
         met: String,
     },
     /// A marker without all of its coordinates.
@@ -204,7 +204,7 @@ pub enum RecordingProblem {
         column: usize,
         /// What the column holds.
         name: String,
-        /// What stands there.
+        /// The text found there.
         value: String,
     },
     /// A row that is not as long as the header.
@@ -249,7 +249,7 @@ pub enum RecordingProblem {
         /// Its line.
         comma_line: u64,
     },
-    /// Times so far from zero that numbers do not tell neighbours apart.
+    /// Times so far from zero that numbers do not resolve neighbours.
     #[error(
         "has times of up to {time} s, where a number does not resolve a step of {step} s; let its clock begin near \
          the recording"
@@ -273,7 +273,7 @@ pub enum RecordingProblem {
         what: &'static str,
         /// Value of the sample before.
         before: f64,
-        /// Value met.
+        /// Value found.
         after: f64,
     },
     /// Rows so short that a small file would fill the memory.

@@ -1,4 +1,4 @@
-//! Which system wrote a recording, told from what stands in it.
+//! Which system wrote a recording, detected from its content.
 
 use std::fmt;
 
@@ -72,7 +72,7 @@ const HEAD: usize = 40;
 pub(super) const NEXUS_SECTIONS: [&str; 6] =
     ["Trajectories", "Model Outputs", "Devices", "Segments", "Joints", "Events"];
 
-/// The format of a text, told from the first cells of its first rows.
+/// The format of a text, detected from the first cells of its first rows.
 pub(super) fn of_text(text: &str) -> Result<Format, RecordingProblem> {
     let rows = &mut Rows::new(text);
     let mut first = None;

@@ -7,7 +7,7 @@ use super::error::RecordingProblem;
 use super::format::Format;
 use super::length::Length;
 
-/// Where things stand in each row below a header. Columns count from 0.
+/// The columns of each row below a header. Columns count from 0.
 pub(super) struct Layout {
     pub format: Format,
     /// Columns that the header names, beyond which no cell may be filled; nothing where that is not known.
@@ -375,7 +375,7 @@ impl Layout {
 }
 
 impl Columns {
-    /// A marker whose x, y and z stand in columns.
+    /// A marker whose x, y and z are in columns.
     pub(super) fn at((name, position): (String, [usize; 3])) -> Self {
         Self { name, position: position.map(Some), orientation: None, likelihood: None }
     }

@@ -129,9 +129,9 @@ impl Length {
     Length::symbols()
 )]
 pub struct UnknownUnit {
-    /// Where it stands.
+    /// Its place.
     pub place: String,
-    /// What stands there.
+    /// The text found there.
     pub value: String,
 }
 

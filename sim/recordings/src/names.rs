@@ -75,7 +75,7 @@ pub(super) fn groups(axes: &[String]) -> Vec<[usize; 3]> {
 /// The names of markers above their columns: by place or, where names are not above the first column of a marker, in
 /// order if there are as many as markers.
 /// # Errors
-/// Other names than markers, of which nobody can tell whose they are.
+/// Other names than markers, whose markers cannot be determined.
 pub(super) fn above(
     names: &[String],
     groups: &[[usize; 3]],

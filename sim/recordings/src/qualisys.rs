@@ -57,7 +57,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         Some(columns) => {
             let at = |name: &str| columns.iter().position(|column| column == name);
             let (frame, time) = (at("Frame"), at("Time"));
-            // The last word of each name is its axis: other columns, such as residuals, have others.
+            // Each name ends with its axis: other columns, such as residuals, have others.
             let axes: Vec<String> =
                 columns.iter().map(|name| name.rsplit(' ').next().unwrap_or_default().to_owned()).collect();
             let groups = groups(&axes);

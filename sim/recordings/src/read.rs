@@ -22,7 +22,7 @@ const MEMORY: u64 = 8;
 /// Bytes that are read before a file can be refused by them. All that shows a format is in the first.
 const PIECE: u64 = 1 << 20;
 
-/// Reads a recording; its format is told from what stands in it, not from its name.
+/// Reads a recording; its format is detected from its content, not from its name.
 /// # Errors
 /// The file cannot be read, is in no known format, or does not hold together.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {

@@ -234,7 +234,7 @@ pub fn table(
     read().map_err(|problem| RecordingError { file: source.to_owned(), problem })
 }
 
-/// Where things stand, by the names of the columns; those without a name have none.
+/// The layout, by the names of the columns; those without a name have none.
 pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, RecordingProblem> {
     let mut columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
     quaternions(&mut columns);
