@@ -1,4 +1,4 @@
-//! Tells the program which compiler built it; run folders say so.
+//! Gives the program the compiler that built it; run folders say so.
 
 use std::process::Command;
 

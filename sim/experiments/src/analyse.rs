@@ -98,7 +98,7 @@ pub fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<R
     }
 }
 
-/// What is written of an analysed release; what could not be found is none, and its reason stands beside it.
+/// What is written of an analysed release; what could not be found is none, and its reason is beside it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Said<'a> {
     /// Name of the release.
@@ -166,7 +166,7 @@ pub struct AtRest {
     pub unmodified_tip_m: Option<[f64; 2]>,
 }
 
-/// EI with which a model meets the tip at rest.
+/// EI with which a model reproduces the tip at rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Stiffness {
     /// EI.

@@ -26,7 +26,7 @@ pub enum CleaningError {
     TooShort {
         /// The recording.
         file: String,
-        /// Samples met.
+        /// Samples found.
         samples: usize,
         /// Samples needed.
         least: usize,
@@ -47,7 +47,7 @@ pub enum CleaningError {
         samples: usize,
         /// Samples needed.
         least: usize,
-        /// Where the recording stands in the experiment file.
+        /// Key of the recording in the experiment file.
         key: String,
     },
     /// No release.
@@ -60,7 +60,7 @@ pub enum CleaningError {
         file: String,
         /// What was seen instead.
         why: String,
-        /// Where the recording stands in the experiment file.
+        /// Key of the recording in the experiment file.
         key: String,
     },
     /// An instant of release that the recording does not have.
@@ -70,7 +70,7 @@ pub enum CleaningError {
     InstantOutside {
         /// The recording.
         file: String,
-        /// Where the recording stands in the experiment file.
+        /// Key of the recording in the experiment file.
         key: String,
         /// The instant, s.
         instant: f64,
@@ -84,7 +84,7 @@ pub enum CleaningError {
     NoSuchRelease {
         /// The recording.
         file: String,
-        /// Where the number stands in the experiment file.
+        /// Key of the number in the experiment file.
         key: String,
         /// The number, from one.
         number: usize,
@@ -100,7 +100,7 @@ pub enum CleaningError {
     OffPlace {
         /// The recording.
         file: String,
-        /// Where the recording stands in the experiment file.
+        /// Key of the recording in the experiment file.
         key: String,
         /// The release, from one.
         number: usize,
@@ -120,7 +120,7 @@ pub enum CleaningError {
     OffReach {
         /// The recording.
         file: String,
-        /// Where the recording stands in the experiment file.
+        /// Key of the recording in the experiment file.
         key: String,
         /// The release, from one.
         number: usize,
@@ -129,14 +129,14 @@ pub enum CleaningError {
         /// The same by the model, m.
         reach: f64,
     },
-    /// Gravity cannot be told from the data.
+    /// The data do not determine the direction of gravity.
     #[error("{file}: which way is up cannot be seen in it: {why}; say it, such as {key}.up = \"+z\"")]
     NoVertical {
         /// The recording.
         file: String,
         /// What was seen instead.
         why: String,
-        /// Where the recording stands in the experiment file.
+        /// Key of the recording in the experiment file.
         key: String,
     },
 }

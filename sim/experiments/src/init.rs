@@ -19,7 +19,7 @@ use stepped::Steps;
 
 pub use guess::{Guess, guess};
 
-/// Directions of the held tip between which the rod is guessed to be straight and level, rad. Markers stand on top of a rod:
+/// Directions of the held tip between which the rod is guessed to be straight and level, rad. Markers are on top of a rod:
 /// on a thick one they are seen far above the level. Below it the tip has sagged, unless a marker hangs there: on a rod of
 /// ten diameters one of them is 0.1 rad.
 const LEVEL: RangeInclusive<f64> = -0.1..=0.35;
@@ -139,7 +139,7 @@ fn text(
     out + GUESSED_STIFFNESS
 }
 
-/// What a diagnosis is told of a bending stiffness that nobody measured.
+/// Text for a diagnosis about a bending stiffness that nobody measured.
 const GUESSED_STIFFNESS: &str = "
 # `efam calibrate` fits these three anyway. `efam diagnose` holds the bending stiffness to the value above within 5 %, unless it is
 # listed here: if that value is a guess, remove the # from these lines. Recordings of one frequency, at one pressure and with one

@@ -7,7 +7,7 @@
 //! stiffness = "pder_32"       # which estimate of the bending stiffness
 //! extrapolation = "refused"   # or "allowed": pressures outside the table
 //! mass = "conserved"          # or "per_length": the resting mass per length at every pressure
-//! [rod]                       # without a muscle length, mass and both stiffnesses must stand here
+//! [rod]                       # without a muscle length, mass and both stiffnesses must be given here
 //! nodes = 16                  # chosen for the accuracy unless it is given
 //! scheme = "consistent"       # or "paper"
 //! base_angle = "0 deg"
@@ -226,7 +226,7 @@ impl Scenario {
         self.document.files()
     }
 
-    /// Whether it asks for every pressure of a muscle's table.
+    /// Whether it requests every pressure of a muscle's table.
     pub fn is_all_rows(&self) -> bool {
         self.plan.is_all_rows()
     }
@@ -259,7 +259,7 @@ impl Scenario {
         set
     }
 
-    /// The runs that it asks for: one, or one for each row of the muscle's table.
+    /// The runs that it requests: one, or one for each row of the muscle's table.
     /// # Errors
     /// [`ScenarioError`] for what the muscle or the model refuses.
     pub fn cases(&self) -> Result<Vec<Case>, ScenarioError> {

@@ -224,7 +224,7 @@ pub struct RunSettings {
     /// relaxed in the posture of release.
     #[serde(default)]
     pub history_s: Option<[f64; 3]>,
-    /// Time asked for.
+    /// Requested time.
     pub duration_s: f64,
     /// Time between samples, if they are evenly spaced.
     pub sampling_s: Option<f64>,

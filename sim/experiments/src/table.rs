@@ -1,9 +1,9 @@
 //! A trajectory as a table: one row a sample, one column a number.
 //!
 //! Nodes have columns of their own, `x_00_m`, `z_00_m`, …, rather than one column of lists: CSV and
-//! MATLAB's `parquetread` know no lists, pandas plots `df.filter(regex="^x_")` as it stands, and in
+//! MATLAB's `parquetread` know no lists, pandas plots `df.filter(regex="^x_")` directly, and in
 //! SQL `select time_s, z_31_m` reads that column alone. Each name ends in its unit, which also
-//! stands in the column's metadata under `unit`.
+//! is in the column's metadata under `unit`.
 //!
 //! A pressure that changes has the column `pressure_Pa`, and each load that depends on time the resultant of its forces, such
 //! as `motor_x_N` and `motor_z_N`.
@@ -61,7 +61,7 @@ impl<'a> Table<'a> {
         Self { model, pressure: RodPressure::of(model), trajectory, energy_followed, loads, columns }
     }
 
-    /// What stands in it.
+    /// Its columns.
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
@@ -87,7 +87,7 @@ impl<'a> Table<'a> {
 
     /// Writes Parquet; `about` becomes the file's key-value metadata.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn write_parquet<W: Write + Send>(&self, to: W, about: &[(&str, String)]) -> io::Result<()> {
         let mut file = ParquetFile::begin(to, &self.columns, about)?;
         self.chunks(&mut |chunk| file.write(chunk))?;
@@ -96,7 +96,7 @@ impl<'a> Table<'a> {
 
     /// Writes CSV with the same columns; numbers read back to the same bits.
     /// # Errors
-    /// What the writer met.
+    /// An error of the writer.
     pub fn write_csv(&self, to: impl Write) -> io::Result<()> {
         let mut file = CsvFile::begin(to, &self.columns)?;
         self.chunks(&mut |chunk| file.write(&chunk))?;

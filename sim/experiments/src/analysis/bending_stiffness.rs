@@ -174,7 +174,7 @@ mod tests {
         assert!(fit_gauss_newton([0.1, -0.1], 0.01, |_| None).is_err());
     }
 
-    /// Where no EI meets the tip, the residual is normal to the path of the tip over EI.
+    /// Where no EI reproduces the tip, the residual is normal to the path of the tip over EI.
     #[test]
     fn a_tip_off_the_path_gets_the_nearest_point_of_it() {
         let [x, z] = AT_25_PSI.tip().position;

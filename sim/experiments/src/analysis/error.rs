@@ -14,13 +14,13 @@ pub enum AnalysisError {
     NotFinite {
         /// Its place in the recording, from 0.
         index: usize,
-        /// What stands there.
+        /// The value found there.
         value: f64,
     },
     /// There is too little of the recording.
     #[error("{samples} samples: at least {least} are needed")]
     TooShort {
-        /// Samples met.
+        /// Samples found.
         samples: usize,
         /// Samples needed.
         least: usize,

@@ -48,8 +48,8 @@ impl RestEstimate {
 
 /// The rest of a path up to a time, s; damped frequency, rad/s, and rate of decay, 1/s, are where the fit begins.
 ///
-/// None where fewer than three samples for each term are seen in the last three periods, and where these do not tell the
-/// rest: a decay that is not there tells it from no other constant, and the answer is anywhere.
+/// None where fewer than three samples for each term are seen in the last three periods, and where these do not
+/// determine the rest: without a decay no constant is distinguished from another, and the answer is anywhere.
 pub fn estimate(
     time: &[f64],
     position: &[Option<[f64; 2]>],

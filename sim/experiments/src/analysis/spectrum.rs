@@ -39,7 +39,7 @@ impl Window {
 pub struct Spectrum {
     /// Angular frequency from one bin to the next, rad/s; bin 0 is at zero.
     pub frequency_step: f64,
-    /// Lowest angular frequency at which an oscillation can be told from a drift, rad/s: two
+    /// Lowest angular frequency at which an oscillation can be distinguished from a drift, rad/s: two
     /// periods in the recording.
     pub lowest_frequency: f64,
     /// Amplitude, m, one a bin: a steady cosine shows its own amplitude.

@@ -8,9 +8,9 @@ use efam_core::quantile::quantile;
 use super::distance;
 use super::spurious::bend;
 
-/// Acceleration that is always believed, m/s²: six times gravity.
+/// Acceleration that is always accepted, m/s²: six times gravity.
 const ALWAYS_BELIEVED: f64 = 60.0;
-/// Second differences that are believed, in those below which 98 % lie: ghosts are rarer than 1 %.
+/// Second differences that are accepted, in those below which 98 % lie: ghosts are rarer than 1 %.
 const MOST_BEND: f64 = 5.0;
 /// Noise that may be in a second difference, in standard deviations of a sample.
 const MOST_NOISE: f64 = 15.0;
@@ -50,7 +50,7 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> V
     (0..path.len()).map(|i| path[i].is_some() && !kept[i]).collect()
 }
 
-/// Largest second difference that is believed, m.
+/// Largest second difference that is accepted, m.
 fn bend_limit(path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> f64 {
     let bends = path.windows(3).filter_map(|three| Some(bend(three[0]?, three[1]?, three[2]?)));
     let usual = quantile(bends.collect(), 0.98);
@@ -92,7 +92,7 @@ fn pieces(time: &[f64], path: &[Option<[f64; 3]>], step: f64, most: f64) -> Vec<
 }
 
 /// Whether one piece may go on as another: the straight line between has the mean of the two
-/// velocities, to within what an acceleration that is believed does in the time between.
+/// velocities, to within what an accepted acceleration does in the time between.
 fn leads(time: &[f64], path: &[Option<[f64; 3]>], a: &Piece, b: &Piece, step: f64, most: f64) -> bool {
     let gap = time[b.first] - time[a.last];
     if gap > LONG_GAP {

@@ -320,8 +320,8 @@ pub(super) fn rest(
     Some((mean(path, window.clone())?, window))
 }
 
-/// Sample from which on the tip is raised: after the last one as near the rest as half of those in its window are. What
-/// a hand does from there on no model of the swing can meet.
+/// Sample from which on the tip is raised: after the last one as near the rest as half of those in its window are. No
+/// model of the swing reproduces a hand's motion after that.
 fn raised(
     path: &[Option<[f64; 3]>],
     swing: Range<usize>,

@@ -98,7 +98,7 @@ pub struct CleanRelease {
     pub angle: Option<f64>,
     /// Why it is not used, if it is not.
     pub dropped: Option<String>,
-    /// Whether it stands for the releases of the same pressure and payload.
+    /// Whether it represents the releases of the same pressure and payload.
     pub representative: bool,
     /// Its numbers.
     pub statistics: Statistics,
@@ -113,7 +113,7 @@ pub struct Statistics {
     pub masked_share: f64,
     /// Samples in which it was seen and is masked.
     pub masked_samples: usize,
-    /// Angle above the horizontal at which clamp and held tip stand, rad.
+    /// Angle above the horizontal of the line from the clamp to the held tip, rad.
     pub hold_angle: f64,
     /// Tip while it is held, after its offset is taken off.
     pub hold: [f64; 2],

@@ -32,14 +32,14 @@ const WAY: f64 = 0.12;
 const HOLD: f64 = 0.3;
 /// Time before the end of the hold at which the instant may be, s, or the time of that way if it is more.
 const BEFORE: f64 = 0.15;
-/// Samples after the hold that are fitted at least, and that [`WAY`] has to have for a push to be believed: a higher mode begins
+/// Samples after the hold that are fitted at least, and that [`WAY`] has to have for a push to be accepted: a higher mode begins
 /// as fast.
 const LEAST_FALL: usize = 4;
 /// Nothing is known better than this share of the longest time without a sample around it: of thirty releases
 /// drawn by an independent model at 100 Hz the worst was 4 ms off, where both ways that are fitted said a tenth
 /// of that; one whose first tenth of a second was lost was 10 ms off, whichever side of the gap it seemed on.
 const LEAST_ERROR: f64 = 0.2;
-/// Ratio of variances from which on a push is believed: noise gives it once in seven hundred releases (F of 1 and 30 degrees of
+/// Ratio of variances from which on a push is accepted: noise gives it once in seven hundred releases (F of 1 and 30 degrees of
 /// freedom). Of sixty drawn releases without a push the largest was 9, of twelve with one the smallest 21.
 const PUSH: f64 = 12.0;
 /// What the best parabola leaves of a swing from rest, root mean square: this share of the square of the way that is fitted, over
@@ -79,7 +79,7 @@ pub fn estimate(time: &[f64], path: &[Option<[f64; 3]>], cut: &Cut, step: f64) -
     let smooth = begun.search::<SMOOTH>()?;
     let shape = begun.samples.len() as f64 * (SHAPE * begun.way() * begun.way() / whole).powi(2);
     let shows = |fall: &Fall| smooth.cost > fall.cost + PUSH * fall.variance + shape;
-    // Few samples do not tell a push from a higher mode: then the error holds both.
+    // Few samples do not distinguish a push from a higher mode: then the error holds both.
     let (pushed, perhaps) = match begun.search::<PUSHED>().filter(shows) {
         Some(fall) if begun.fallen(fall.instant.max(time[cut.hold.end - 1])) < LEAST_FALL => {
             (None, Some(fall))

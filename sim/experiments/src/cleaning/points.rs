@@ -35,7 +35,7 @@ impl<'a> ByName<'a> {
         Self { recording, places: places.map(|(place, marker)| (marker.name.as_str(), place)).collect() }
     }
 
-    /// The markers of some names that stand under a key of the experiment.
+    /// The markers of some names under a key of the experiment.
     pub fn find(
         &self,
         experiment: &Experiment,
@@ -162,7 +162,7 @@ mod tests {
         let before = lost(&path);
         let masked = mask_spurious(&time, 0.01, &mut path);
         assert!(ghosts.iter().all(|i| path[*i].is_none()), "{masked:?}");
-        // Of two at an end that do not agree nobody can tell which is the marker.
+        // Of two at an end that do not agree, either may be the marker.
         assert!(lost(&path) - before <= 2 * ghosts.len(), "{masked:?}");
     }
 }

@@ -102,10 +102,10 @@ pub fn clean_recording(
 }
 
 /// Share of the rod's reach by which a tip that is held straight may be seen nearer or farther: a marker
-/// may stand off, a rod of another length may not.
+/// may be off, a rod of another length may not.
 const FARTHEST_OFF: f64 = 0.25;
 
-/// The same of its distance from the end of the straight rod: on a thick rod a marker on top stands a third of its reach
+/// The same of its distance from the end of the straight rod: on a thick rod a marker on top is a third of its reach
 /// off, and a rod that is held in another direction is half of it off from 29 degrees on.
 const FARTHEST_BESIDE: f64 = 0.5;
 

@@ -1,4 +1,4 @@
-//! The release that stands for several of the same pressure and payload, as the paper chose one by eye.
+//! The release that represents several of the same pressure and payload, as the paper chose one by eye.
 
 use std::collections::HashMap;
 

@@ -34,7 +34,7 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<bool> {
     let mut path = path.to_vec();
     let mut found = vec![false; path.len()];
     let sigma = noise::of_path(time, &path, step).unwrap_or(0.0);
-    // Each round removes what stands out most nearby.
+    // Each round removes the largest outlier nearby.
     for _ in 0..12 {
         let errors = prediction_errors(time, &path, step);
         let bends = bends(time, &path, step);
@@ -80,7 +80,7 @@ fn is_far(errors: &[Option<f64>], bends: &[Option<f64>], i: usize, sigma: f64) -
 }
 
 /// Of the samples from one to another and of those beside them, once some are gone, whether they are far; none where
-/// nobody can tell.
+/// that cannot be determined.
 fn beside(
     time: &[f64],
     path: &[Option<[f64; 3]>],
@@ -101,7 +101,7 @@ fn beside(
 }
 
 /// Whether the samples beside one agree once it is gone. At the edge of a burst they do not, and nobody
-/// can tell from a few samples which side is the marker.
+/// can determine from a few samples which side is the marker.
 fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, i: usize, sigma: f64) -> bool {
     beside(time, path, step, (i, i), &[i], sigma).iter().all(|(_, is_far)| *is_far != Some(true))
 }

@@ -1,7 +1,7 @@
 //! Which axis of a recording is up, and how surely, where the experiment does not say: by the first fall, or by a rod that hangs.
 //!
 //! A rod that is held up falls along gravity. One that hangs and is pulled aside begins across it, and rests below its
-//! clamp. Where both point along an axis, they are told apart by the pace of the swing: a level rod that swings with ω
+//! clamp. Where both point along an axis, they are distinguished by the pace of the swing: a level rod that swings with ω
 //! has sagged by `g/ω²` at least (1.0 of that with all mass at its end, 1.5 with none), so its end rests below the
 //! level by `g/(ω² L)`.
 
@@ -34,7 +34,7 @@ const CLEAR_SAG: f64 = 10.0 * DEGREE;
 /// Passages through the rest that the period is taken from, at most.
 const PASSAGES: usize = 7;
 
-/// What stands between the axis that was found and how sure it is.
+/// The text between the axis that was found and how sure it is.
 pub const IS_UP: &str = " of the file is up, ";
 /// How sure it is.
 pub const SURELY: &str = "surely";

@@ -16,7 +16,7 @@ use crate::scenario::{ScenarioError, ScenarioProblem};
 /// A recording, and what is known of it beside its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Where it stands in the experiment file, such as `recording[1]`; members count from one.
+    /// Its key in the experiment file, such as `recording[1]`; members count from one.
     pub key: String,
     /// Name of its file without folders.
     pub name: String,
@@ -52,7 +52,7 @@ pub struct Entry {
     pub angle: Option<f64>,
     /// How the rod is held before the release, if it is given.
     pub start: Option<Start>,
-    /// What stands between the tip marker and the rod's end.
+    /// Offset of the tip marker from the rod's end.
     pub offset: Option<Offset>,
     /// Instants of release on the recording's clock, s, instead of those that are found.
     pub instants: Option<Vec<f64>>,
@@ -114,7 +114,7 @@ pub enum Start {
     InMotion,
 }
 
-/// Where the tip marker stands beside the rod's end.
+/// Where the tip marker is beside the rod's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Offset {
     /// Nowhere else: the marker is the tip.

@@ -146,7 +146,7 @@ impl Experiment {
         Ok(Experiment { name, path: path.to_owned(), recordings, document, text, plan, held: Vec::new() })
     }
 
-    /// The same with recordings that are in memory: each stands for the files whose paths end with its own.
+    /// The same with recordings that are in memory: each replaces the files whose paths end with its own.
     pub fn holding(mut self, held: Vec<(PathBuf, Arc<Recording>)>) -> Experiment {
         self.held = held;
         self

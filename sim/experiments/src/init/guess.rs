@@ -38,7 +38,7 @@ pub struct Guess {
     pub moves: Vec<(String, f64)>,
 }
 
-/// Tells tip, base and body by how much they move; nothing if no marker is seen.
+/// Identifies tip, base and body by how much they move; nothing if no marker is seen.
 pub fn guess(recording: &Recording) -> Option<Guess> {
     let moves: Vec<f64> = recording.markers.iter().map(|marker| reach(&marker.position)).collect();
     let most =

@@ -68,7 +68,7 @@ pub(super) fn steered(
         .ok()
 }
 
-/// The case of an experiment's plan at a pressure, Pa, that stands at `pressure_key`.
+/// The case of an experiment's plan at a pressure, Pa, given at `pressure_key`.
 pub(crate) fn at_pressure(
     document: &Document,
     plan: &Arc<Plan>,
@@ -101,7 +101,7 @@ const DOUBTFUL_LENGTH: f64 = 50.0;
 struct Builder<'a> {
     document: &'a Document,
     plan: &'a Arc<Plan>,
-    /// Where the pressure at release stands.
+    /// Key of the pressure at release.
     pressure_key: &'a str,
 }
 
@@ -331,7 +331,7 @@ impl Builder<'_> {
         Ok(Initial::Curve(points.iter().map(point).collect()))
     }
 
-    /// Says where in the scenario the value stands that a model refuses.
+    /// Gives the place in the scenario of a value that a model refuses.
     fn of_model(&self, prefix: &str, error: ModelError) -> ScenarioError {
         let document = self.document;
         match error {

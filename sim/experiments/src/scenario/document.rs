@@ -1,4 +1,4 @@
-//! A TOML text of which every value knows where it stands, and values that are set over it.
+//! A TOML text of which every value knows its place, and values that are set over it.
 
 mod lists;
 mod meant;

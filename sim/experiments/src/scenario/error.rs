@@ -25,7 +25,7 @@ pub struct ScenarioError {
 pub struct At {
     /// Name of the file, or `--set`.
     pub file: String,
-    /// The whole text; empty if the value does not stand there.
+    /// The whole text; empty if the value is not there.
     pub text: Arc<str>,
     /// The bytes at fault.
     pub span: Range<usize>,
@@ -96,7 +96,7 @@ pub enum ScenarioProblem {
         /// The range with its unit.
         range: String,
     },
-    /// What the muscle says of what is asked of it.
+    /// What the muscle says of a request.
     #[error(transparent)]
     Muscle(MuscleError),
     /// A muscle file that cannot be used.
@@ -170,7 +170,7 @@ impl ScenarioError {
 }
 
 impl At {
-    /// Line and column, from one; none if the value does not stand in the text.
+    /// Line and column, from one; none if the value is not in the text.
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
         let before = self.text.get(..self.span.start).filter(|_| !self.text.is_empty())?;
         let line = before.rsplit('\n').next().unwrap_or_default();

@@ -1,6 +1,6 @@
 //! A loss at another frequency than it was calibrated at.
 //!
-//! A release swings at one frequency and tells how much is lost there. Rayleigh's law makes more of it than is known: the
+//! A release swings at one frequency and determines the loss there. Rayleigh's law makes more of it than is known: the
 //! damping ratio of stiffness damping goes with the frequency, that of mass damping against it. What solids lose in a
 //! cycle hardly depends on the frequency (Kimball and Lovell 1927, Physical Review 30, 948-959, for eighteen of them),
 //! and in elastomers above their glass transition the loss factor goes with a power of it of 0.1 to 0.3 (Ferry 1980,

@@ -200,7 +200,7 @@ fn read_muscle(
     let text = match given[..] {
         ["name"] => {
             let name = keys.text("name")?.map_or("", |name| name.0);
-            // Asked for first, for its message with the names that there are.
+            // Looked up first, for its message with the names that there are.
             Muscle::built_in(name).map_err(|error| keys.wrong("name", ScenarioProblem::Muscle(error)))?;
             models::muscle::BUILT_IN
                 .iter()

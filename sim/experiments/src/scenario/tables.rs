@@ -1,4 +1,4 @@
-//! Tables that stand in several places of a scenario: those of a rod and of its effects, and files that keys name.
+//! Tables that occur in several places of a scenario: those of a rod and of its effects, and files that keys name.
 
 use efam_store::input;
 use models::effects::{Catalogue, Parameter};

@@ -64,7 +64,7 @@ fn all_rows_are_twenty_cases_in_order() {
     assert!(cases.windows(2).all(|pair| pair[0].pressure < pair[1].pressure));
 }
 
-/// Catches a number that loses a bit on its way, a key that is left out, and an order that differs.
+/// Catches a number that loses a bit in a round trip, a key that is left out, and an order that differs.
 #[test]
 fn a_resolved_case_gives_the_same_model_and_run() {
     let held = "[release]\nfrom = \"equilibrium\"\n[release.hold]\npressure = \"22 psi\"\n\

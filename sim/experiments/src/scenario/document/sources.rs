@@ -13,7 +13,7 @@ impl Document {
         files.map(|source| (source.name.as_str(), &*source.text))
     }
 
-    /// Takes in the tables of another file that stand under `key`; it has nothing else. Two of one name are refused.
+    /// Takes in the tables of another file under `key`; it has nothing else. Two of one name are refused.
     pub fn include(&mut self, path: &Path, key: &str) -> Result<(), ScenarioError> {
         let other = Document::load(path, &[])?;
         other.keys().only(&[key])?;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-/// Where something stands.
+/// The place of something.
 #[derive(Clone, Debug)]
 pub struct Place {
     /// Which of the document's.
@@ -62,7 +62,7 @@ impl Item {
     }
 }
 
-/// The keys of a table that was parsed; `place` tells where its bytes stand.
+/// The keys of a table that was parsed; `place` gives the place of its bytes.
 pub(super) fn entries(table: &DeTable, place: &dyn Fn(Range<usize>) -> Place) -> Vec<Entry> {
     let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue>)| {
         let key: (&std::borrow::Cow<str>, _) = (key.get_ref(), place(key.span()));
