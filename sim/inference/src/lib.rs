@@ -1,4 +1,4 @@
-//! What releases tell of a rod: parameters with their uncertainty, effects that a model lacks, and releases that nobody
+//! What releases determine of a rod: parameters with their uncertainty, effects that a model lacks, and releases that nobody
 //! has made yet.
 
 pub mod calibrate;

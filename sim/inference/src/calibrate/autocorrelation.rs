@@ -3,12 +3,12 @@
 //! A model that lacks something leaves residuals that swing as the rod does; taken for fresh
 //! noise they would make intervals too narrow. Their autocorrelation is estimated from the residuals
 //! themselves and put into the covariance of the estimate where the slopes of neighbouring samples
-//! meet. The usual estimator takes the products of residual and slope as they come, and has a matrix to
+//! are multiplied. The usual estimator takes the products of residual and slope as they come, and has a matrix to
 //! estimate at each lag; this one knows the slopes and has one curve to estimate, so that white noise is
 //! left as it is.
 //!
 //! Where the curve ends is found by the rule of Politis and White (2004), Econometric Reviews 23,
-//! 53-70: the first lag after which several in a row cannot be told from zero. The taper is theirs too, flat
+//! 53-70: the first lag after which several in a row cannot be distinguished from zero. The taper is theirs too, flat
 //! and then falling to zero, but twice as long: what each lag is too small to show, many are not. It is flat
 //! as far as twice that lag, and ends at four times it. It may leave a spectrum that is negative somewhere;
 //! the taper is then Bartlett's, with which none is: Newey and West (1987), Econometrica 55, 703-708.

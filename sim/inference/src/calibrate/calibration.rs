@@ -22,9 +22,9 @@ pub struct Calibration {
     pub nuisances: Vec<Calibrated>,
     /// Correlations of parameters that were found together.
     pub correlations: Vec<Correlations>,
-    /// How each release is met.
+    /// The fit of each release.
     pub releases: Vec<ReleaseFit>,
-    /// How well the experiment repeats, where it tells or states it.
+    /// How well the experiment repeats, where it determines or states it.
     #[serde(default)]
     pub repeats: Option<Repeats>,
     /// The searches, one for all releases that share a parameter.
@@ -81,7 +81,7 @@ pub struct Correlations {
     pub matrix: Vec<Vec<f64>>,
 }
 
-/// How one release is met.
+/// The fit of one release.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReleaseFit {
     /// Its name.
@@ -104,7 +104,7 @@ pub struct ReleaseFit {
     /// How it swings in the fit, by the same samples.
     #[serde(default)]
     pub fitted: FrequencyAndDamping,
-    /// How far the fit is from the recording in what predictions are asked for.
+    /// How far the fit is from the recording in the quantities of a prediction.
     #[serde(default)]
     pub misfit: Misfit,
     /// Root mean square error of mesh and step, mm, before it was removed.
@@ -113,7 +113,7 @@ pub struct ReleaseFit {
     pub numerical_error_left_mm: f64,
 }
 
-/// How one track is met.
+/// The fit of one track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrackFit {
     /// Name of the marker.

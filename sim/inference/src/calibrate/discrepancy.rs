@@ -11,7 +11,7 @@
 //!
 //! What swings as the slopes do counts many times over; a marker that drifts slowly hardly touches a damping. A fit
 //! weighs each sample by `σ² + w d²` instead of the noise's σ² alone, with the largest w of the parameters that are
-//! sought. Beliefs of the setup and of the material count against that, and no sample is held back because the model
+//! sought. Priors of the setup and of the material count against that, and no sample is held back because the model
 //! misses it. Where nothing is missed, nothing changes.
 //!
 //! Source: Kennedy and O'Hagan (2001), Journal of the Royal Statistical Society B 63, 425-464, for a discrepancy beside

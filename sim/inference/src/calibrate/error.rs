@@ -62,9 +62,9 @@ pub enum CalibrateError {
     Bounds {
         /// Path of the parameter.
         path: String,
-        /// Lower bound met, SI.
+        /// Lower bound found, SI.
         low: f64,
-        /// Upper bound met, SI.
+        /// Upper bound found, SI.
         high: f64,
         /// Smallest admissible.
         least: f64,
@@ -78,7 +78,7 @@ pub enum CalibrateError {
     Start {
         /// Path of the parameter.
         path: String,
-        /// Value met, SI.
+        /// Value found, SI.
         start: f64,
         /// Lower bound.
         low: f64,
@@ -100,9 +100,9 @@ pub enum CalibrateError {
     Prior {
         /// Path of the parameter.
         path: String,
-        /// Mean met.
+        /// Mean found.
         mean: f64,
-        /// Deviation met.
+        /// Deviation found.
         deviation: f64,
     },
     /// A marker that is not on the rod.
@@ -112,7 +112,7 @@ pub enum CalibrateError {
         release: String,
         /// Name of the marker.
         marker: String,
-        /// Share met.
+        /// Share found.
         share: f64,
     },
     /// A release without a sample to fit.

@@ -56,7 +56,7 @@ fn pace(trial: &Trial) -> Option<f64> {
     Some(modes(&model, &rest, 1).ok()?.first()?.angular_frequency).filter(|pace| *pace > 0.0)
 }
 
-/// What moves the start of a trial, as far as its release can tell it: path, unit, and standard deviation. One marker does not
+/// What moves the start of a trial, as far as its release can determine it: path, unit, and standard deviation. One marker does not
 /// show the moment of a hand. Of a rod in motion the swing shows all, and its rates have its pace.
 pub(crate) fn pulls(trial: &Trial) -> Result<Vec<(&'static str, &'static str, f64)>, ModelError> {
     let units = ["N", "N", "N/s", "N/s", "N m", "N m/s"];

@@ -245,7 +245,7 @@ fn kind(path: &str) -> Does {
     }
 }
 
-/// The experiment that would tell.
+/// The experiment that would separate them.
 fn advice(one: Does, other: Option<Does>) -> &'static str {
     match (one, other) {
         (Does::Stiffens, Some(Does::Weighs)) | (Does::Weighs, Some(Does::Stiffens)) => {

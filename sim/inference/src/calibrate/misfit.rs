@@ -25,7 +25,7 @@ pub struct Curve {
     pub predicted: Vec<[f64; 2]>,
 }
 
-/// How a tip swings, as `efam analyse` reads it off a path; none where the path does not tell.
+/// How a tip swings, as `efam analyse` reads it off a path; none where the path does not determine it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrequencyAndDamping {
     /// Frequency as released, Hz.

@@ -2,7 +2,7 @@
 //!
 //! Nonlinear least squares on the paths of the markers themselves. [`Problem`] says which releases
 //! and which parameters, [`calibrate()`] finds them, [`Calibration`] is what is written. Where the data
-//! cannot tell parameters apart it is said in words, with the experiment that would.
+//! cannot separate parameters, a warning says so and names the experiment that would.
 
 mod autocorrelation;
 pub mod calibration;
@@ -93,7 +93,7 @@ pub(crate) struct PartFit {
     profiles: Vec<Option<[f64; 2]>>,
 }
 
-/// Who hears how a calibration goes on, from any thread. A closure hears what is being done.
+/// Receives the progress of a calibration, from any thread. A closure receives what is being done.
 pub trait Listener: Sync {
     /// What is being done.
     fn doing(&self, what: &str);
@@ -119,7 +119,7 @@ pub struct Progress {
     pub parameters: Vec<(String, f64, &'static str)>,
 }
 
-/// Finds the parameters of a problem; `listener` hears what is being done.
+/// Finds the parameters of a problem; `listener` receives what is being done.
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense, and where no start leads to a fit.
 pub fn calibrate(

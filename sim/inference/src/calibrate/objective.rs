@@ -78,7 +78,7 @@ impl Objective {
         CalibrateError::NoFit { release: self.part.members[0].release.name.clone() }
     }
 
-    /// Residuals, and slopes if asked for; nothing where a release cannot be simulated.
+    /// Residuals, and slopes if requested; nothing where a release cannot be simulated.
     pub fn see(&self, x: &DVector<f64>, view: &View, slopes: Option<Slopes>) -> Option<Evaluation> {
         self.effort[0].fetch_add(1, Ordering::Relaxed);
         let releases = self.part.members.len();

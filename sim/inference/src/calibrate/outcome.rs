@@ -1,4 +1,4 @@
-//! From what the searches found to what is told.
+//! From what the searches found to what is reported.
 
 use efam_experiments::out_of_plane;
 use efam_experiments::release::Release;

@@ -83,7 +83,7 @@ pub(crate) struct Prediction {
     /// Shape `[tracks][samples]`, m.
     pub position: Vec<Vec<[f64; 2]>>,
     /// Derivatives by the scaled unknowns of the trial, shape `[tracks][samples][locals]`, m; empty
-    /// unless asked for.
+    /// unless requested.
     pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
     /// Where the steps of the integrator ended, s.
     pub steps: Vec<f64>,

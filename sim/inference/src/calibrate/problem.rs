@@ -17,7 +17,7 @@ pub struct Problem {
     pub trials: Vec<Arc<Trial>>,
     /// What is to be found.
     pub parameters: Vec<FittedParameter>,
-    /// What is unknown of each recording, and of no interest.
+    /// Nuisance parameters, per recording.
     pub nuisances: Nuisances,
 }
 

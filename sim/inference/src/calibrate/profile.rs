@@ -1,6 +1,6 @@
 //! Intervals by the profile of the likelihood: one unknown is moved, all others follow.
 //!
-//! An interval from the curvature is a parabola's; where the cost is none, the profile tells. The
+//! An interval from the curvature is a parabola's; where the cost is none, the profile gives it. The
 //! bounds lie where twice the cost has risen by `1.96²`, times how much wider the covariance is than for
 //! white noise as large as stated.
 //! Source: Venzon and Moolgavkar (1988), Applied Statistics 37, 87-94.

@@ -3,7 +3,7 @@
 //! They are fitted together, each with a bending stiffness, a mass damping, a start, an instant and a place of its own. What the
 //! model misses, the residuals of all of them show alike: it is not in their difference, whose projection on the slopes
 //! says how their stiffness, damping, starts, instants and places differ. What is left is noise and what does not repeat. Paths
-//! alone do not tell: the frequency of large swings depends on their size, so a rod that is let go higher looks like a softer one.
+//! alone do not show which: the frequency of large swings depends on their size, so a rod that is let go higher looks like a softer one.
 //! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
 
 use efam_core::quantile::usual_step;

@@ -1,10 +1,10 @@
 //! The end of a fit: slopes of the prediction itself, a loss that suits the residuals, and a rod
 //! without mesh.
 //!
-//! The stages come near with the slopes of the variational equation. Where two unknowns do almost the
-//! same, that error of a per cent or two, magnified along their valley, would be the last word; so here
-//! slopes are differences of runs on the same steps. They cost a run an unknown, and are reused from
-//! point to point as long as they predict the cost.
+//! The stages come near with the slopes of the variational equation, whose error is a per cent or two. Where
+//! two unknowns are nearly collinear, that error would shift the final fit along their valley; so here slopes
+//! are differences of runs on the same steps. They cost a run for each unknown, and are reused from point to
+//! point as long as they predict the cost.
 
 use efam_core::levenberg_marquardt::{Reused, Solution};
 use efam_core::loss::Huber;
@@ -26,9 +26,9 @@ pub(crate) const MOST_ROUNDS: usize = 4;
 pub(super) const CHANGED: f64 = 0.1;
 /// The same as a share of the cost, where mesh and step were removed at another place.
 const UNCORRECTED_SHARE: f64 = 1e-3;
-/// How finely the last word is spoken. Alpha and beta do almost the same, and a swing tells them apart by what
-/// is left when one has done what it can for the other, a fiftieth of its slope: an error of four
-/// thousandths of the slopes, which steps of the usual size leave, turns that by half.
+/// Fidelity of the final fit. Alpha and beta are nearly collinear: only a fiftieth of a slope is independent
+/// of the other. Steps of the usual size leave errors of four thousandths of the slopes, which turn that
+/// remainder by half.
 pub(crate) const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
 
 /// Follows a fit to its end, one of [`LAST`] fidelity being near it, without the errors of the step, and of the mesh unless that is kept; says

@@ -1,4 +1,4 @@
-//! How well an experiment repeats: below that no model can be told right from wrong.
+//! How well an experiment repeats: below that no right model can be distinguished from a wrong one.
 //!
 //! Two releases of one condition differ by the noise of the camera and by what no model of either predicts: the hand,
 //! the clamp, what the material remembers. Their root mean square distance over √2, beside the stiffness, damping, start,

@@ -2,7 +2,7 @@
 //!
 //! A model whose frequency is off by a per cent has lost its phase after fifty swings, and the cost
 //! of a whole recording then has many minima. So each stage only adds as much as the fit before it
-//! foretells; where it does not, less is added. A search that ends far from the data is begun again
+//! predicts; where it does not, less is added. A search that ends far from the data is begun again
 //! from the next best start. Multiple shooting would free the state at the start of each stretch, some
 //! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
 
@@ -54,7 +54,7 @@ const MOST_STARTS: usize = 4;
 const ALIKE: f64 = 0.05;
 /// Residuals of this spread, in units of the noise, are explained.
 pub(super) const EXPLAINED: f64 = 2.0;
-/// Residuals of this share of the motion need not come from a search gone astray.
+/// Residuals below this share of the motion need not come from a diverged search.
 const NEAR: f64 = 0.05;
 /// A new stretch whose residuals are this share of its motion was not predicted.
 const SLIPPED: f64 = 0.7;
@@ -62,7 +62,7 @@ const SLIPPED: f64 = 0.7;
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.2;
 
-/// Finds the best fit of a part; `tell` hears of each stage, and where it ended.
+/// Finds the best fit of a part; `tell` receives each stage, and where it ended.
 pub(crate) fn search(
     objective: &Objective,
     start: &DVector<f64>,
@@ -78,7 +78,7 @@ pub(crate) fn search(
         stages.extend(found.stages.iter().cloned());
         let before = best.as_ref().map(|best| common_cost(objective, best));
         let cost = common_cost(objective, &found);
-        // Two searches that end alike are not both astray: what is left is no fault of the search.
+        // Two searches that end alike have not both diverged: the remaining residual is no fault of the search.
         let is_found_again = before.is_some_and(|before| (cost / before).ln().abs() < ALIKE);
         let is_done = is_found_again || is_met(objective, &found);
         if before.is_none_or(|before| cost < before) {

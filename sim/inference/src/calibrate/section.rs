@@ -156,7 +156,7 @@ pub fn repeatability(experiment: &Experiment) -> Result<Option<f64>, SectionErro
     Ok(read.map_err(ExperimentError::from)?)
 }
 
-/// How far a marker may stand from where it is taken to be, one standard deviation, m: that of the offsets which a
+/// Standard deviation of a marker's distance from its assumed place, m: that of the offsets which a
 /// calibration fits.
 /// # Errors
 /// [`SectionError`], with the place in the file.

@@ -1,4 +1,4 @@
-//! Stages of a search: what is told of one, and when it ends.
+//! Stages of a search: what is reported of one, and when it ends.
 
 use schemars::JsonSchema;
 

@@ -86,7 +86,7 @@ pub(crate) fn spread(
         for (t, series) in block.iter().enumerate() {
             let samples: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
             let (loss, noise) = (found.view.loss[r], measured.noise[t]);
-            // What does not repeat is told, and a fit that takes it up has not made it less.
+            // Noise that includes pure error is given, and a fit that absorbs some has not reduced it.
             let is_told = noise > measured.camera_noise[t];
             let least = if is_told { 1.0 } else { 0.0 };
             let mut statistics = add_series(series, &samples, loss, lost(r), noise, least, &mut own);

@@ -153,7 +153,7 @@ impl Unknown {
     }
 }
 
-/// A bound at zero on a logarithmic scale stands this far below the typical size.
+/// A bound at zero on a logarithmic scale is this far below the typical size.
 const NEARLY_ZERO: f64 = 1e-4;
 /// Standard deviations by which the setup may be off what is stated of it: one recording in 16 000 is, by chance. Without
 /// a limit a model that lacks an effect takes the setup instead, from where a fit with the effect finds no way back. A

@@ -78,7 +78,7 @@ pub(super) fn of_left_out(problem: &Problem) -> Vec<String> {
     heaviest.map_or_else(Vec::new, |own| left_out::warnings(&own.model, own.release.pressure.is_some(), 1))
 }
 
-/// What came out far from what was believed of it, the farthest first.
+/// Estimates far from their priors, the farthest first.
 pub(super) fn of_beliefs<'a>(all: impl Iterator<Item = &'a Calibrated>) -> Vec<String> {
     let off = |own: &Calibrated| own.prior.map(|prior| ((own.value - prior.mean) / prior.deviation).abs());
     let mut contradicted: Vec<(f64, &Calibrated)> =

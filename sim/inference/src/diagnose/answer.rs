@@ -55,7 +55,7 @@ pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>)
     }
 }
 
-/// Whether held-out releases, which take part in no fit of what releases share, are met worse with an answer than without.
+/// Whether held-out releases, which take part in no fit of what releases share, are fitted worse with an answer than without.
 pub(super) fn is_contradicted(gap: &[Gap]) -> bool {
     let held_out = |of: fn(&Gap) -> f64| -> f64 {
         gap.iter().filter(|gap| gap.held_out).map(|gap| of(gap).powi(2)).sum()

@@ -16,11 +16,11 @@ pub(crate) struct Candidate {
     /// Where that vanishes.
     pub null_value: f64,
     /// Parameters of which several values are tried, at one of them.
-    /// Those of which a diagnosis knows what to believe are fitted in the end, the others stay there.
+    /// Those with a plausible range are fitted in the end, the others stay there.
     pub tried: Vec<(&'static EffectParameter, f64)>,
     /// What shares one strength.
     pub scope: Scope,
-    /// The rod that it acts on, by which its believed values are measured.
+    /// The rod that it acts on, which scales its plausible values.
     pub rod: Rod<f64>,
     /// Ranges of its parameters that the experiment states.
     pub stated: Vec<(&'static str, (f64, f64))>,

@@ -58,7 +58,7 @@ impl Data {
     pub fn of(trials: &[Trial], repeatability: Option<f64>, slow_noise: Option<f64>) -> (Self, Vec<usize>) {
         let mut found: Vec<_> =
             trials.par_iter().map(|trial| Plan::of(&trial.release, trial.is_held())).collect();
-        // One camera sees all: each release tells a little of its colour.
+        // One camera sees all: each release shows a little of its colour.
         let slow_noise = slow_noise.unwrap_or_else(|| slow(found.iter().flatten().map(|plan| plan.noise)));
         found.par_iter_mut().flatten().for_each(|plan| plan.with_slow_noise(slow_noise));
         let is_held_out = |r: &usize| trials[*r].release.held_out;
@@ -100,7 +100,7 @@ impl Data {
         self.repeatability.unwrap_or(REPEATS * first_swing)
     }
 
-    /// The same as far as it is known, m: several releases tell it by what they have in common.
+    /// The same as far as it is known, m: several releases determine it by what they have in common.
     pub fn known_repeats(&self) -> f64 {
         if self.plans.len() == 1 { self.repeats() } else { self.repeatability.unwrap_or(0.0) }
     }

@@ -63,7 +63,7 @@ const FAR: f64 = 2.0;
 /// How much a fit of the model as it is may cost by features.
 const BASE_EFFORT: Effort = Effort { rounds: 5, evaluations: 25 };
 
-/// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
+/// Receives the progress of a diagnosis, from any thread. A closure receives what is being done.
 pub trait Listener: Sync {
     /// What is being done.
     fn doing(&self, what: &str);
@@ -154,7 +154,7 @@ pub fn diagnose(
     outcome::outcome(problem, settings, search.found, listener, &work)
 }
 
-/// A search on its way.
+/// A search in progress.
 struct Search<'a> {
     settings: &'a DiagnosisSettings,
     listener: &'a dyn Listener,
@@ -215,9 +215,9 @@ impl<'a> Search<'a> {
         Ok(Self { settings, listener, work, means: is_far.then_some(at_means), found })
     }
 
-    /// Adds one after another what the recordings speak for.
+    /// Adds one after another the effects that the recordings support.
     fn run(&mut self) {
-        // Where none may be added, one round still says what speaks.
+        // Where none may be added, one round still shows what the recordings support.
         for number in 1..=self.settings.most_effects.max(1) {
             if self.is_cut_short(number) || !self.add(number) {
                 break;

@@ -87,7 +87,7 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
 }
 
 /// What releases would show of each effect, at each try of its other parameters, the best visible first. Two releases of one
-/// condition differ by what is stated, m; `tell` hears what is being done.
+/// condition differ by what is stated, m; `tell` receives what is being done.
 /// # Errors
 /// [`CalibrateError`] for releases that cannot be simulated.
 pub fn plan(

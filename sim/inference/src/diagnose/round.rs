@@ -24,7 +24,7 @@ const BEHIND: f64 = 15.0;
 const TRIES: usize = 2;
 /// Candidates that begin by the promise of all samples, at most.
 const MOST_SAMPLED: usize = 4;
-/// Candidates that are fitted to their end at a time: what the first come to tells by how much promises are exceeded.
+/// Candidates that are fitted to their end at a time: the first show by how much results exceed promises.
 const HEAT: usize = 2;
 /// How often some are: a class of more than eight says nothing.
 const HEATS: usize = 4;
@@ -111,7 +111,7 @@ fn race(data: &Data, base: &Sampled, tried: &mut [Tried]) {
         let is_there =
             |own: &Tried| ended.iter().any(|(name, all)| *name == own.extension.name && *all >= own.promise);
         let may_come_near = |own: &Tried| own.promise + rough > (best - BEHIND).max(0.0);
-        // Those that are near the best by features are told by samples, whatever they promise there.
+        // Those near the best by features are fitted to samples, whatever they promise there.
         let by_features = tried.iter().map(|own| own.features).fold(0.0, f64::max);
         let is_near = |own: &Tried| own.features > (by_features - BEHIND).max(0.0);
         let is_chosen = |own: &Tried| !own.is_ended && !is_there(own) && (may_come_near(own) || is_near(own));
@@ -248,7 +248,7 @@ pub fn weighed(
     share: f64,
 ) -> (Round, Option<usize>, Vec<usize>) {
     let first = tried.iter().position(Tried::is_significant);
-    // Two that explain the same share what speaks for them.
+    // Two that explain the same share the evidence for them.
     let all: f64 = tried.iter().filter(|own| own.is_significant()).map(|own| own.all.exp()).sum();
     let best = first.filter(|_| all.ln() >= bar);
     // With a strength for each pressure an effect is no other one.

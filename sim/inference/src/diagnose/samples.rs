@@ -49,7 +49,7 @@ impl Sampled {
         self.misfit() <= (NOISE * self.noise).max(repeats)
     }
 
-    /// How well releases repeat, m, as far as their misfit does not tell it: as stated, or else as releases by hand do.
+    /// How well releases repeat, m, as far as their misfit does not determine it: as stated, or else as releases by hand do.
     pub fn repeats(&self, data: &Data) -> f64 {
         if self.unrepeated.is_some() { data.stated_repeats() } else { data.repeats() }
     }

@@ -48,12 +48,12 @@ pub(crate) fn parameters(experiment: &Experiment, cleaned: &Cleaned) -> Result<P
 /// Noise below which a difference of fit and recording says nothing, m: what is left of mesh and step.
 pub(super) const LEAST_NOISE: f64 = 1e-5;
 
-/// Share of the stated bending stiffness of a rod that is no muscle of a table to which it is believed: as a bending
-/// test has it.
+/// Standard deviation of the prior of a bending stiffness, over its stated value, of a rod that is no muscle of a
+/// table: as a bending test has it.
 const STIFFNESS: f64 = 0.05;
 
-/// Makes what [rod] says of its bending stiffness a belief. Where it is free, a mass at the tip and a softer rod do the
-/// same. An experiment that lists its parameters says of each what is believed.
+/// Makes what [rod] says of its bending stiffness a prior. Where it is free, a mass at the tip and a softer rod do the
+/// same. An experiment that lists its parameters states the prior of each.
 pub(crate) fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
     let Some(stated) = problem.trials.first().map(|trial| trial.model.rod().bending_stiffness) else {
         return;

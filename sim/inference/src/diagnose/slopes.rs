@@ -32,12 +32,12 @@ impl Slopes {
     }
 }
 
-/// Those of all numbers that stand at places.
+/// The numbers at the given places.
 pub fn chosen(all: &DVector<f64>, places: &[usize]) -> DVector<f64> {
     DVector::from_iterator(places.len(), places.iter().map(|place| all[*place]))
 }
 
-/// Adds numbers, times a weight, to those of all that stand at places.
+/// Adds numbers, times a weight, to those at the given places.
 pub fn add(all: &mut DVector<f64>, places: &[usize], weight: f64, more: &DVector<f64>) {
     places.iter().zip(more).for_each(|(place, own)| all[*place] += weight * own);
 }

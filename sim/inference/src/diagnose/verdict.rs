@@ -140,7 +140,7 @@ pub struct Member {
     pub distance: Option<f64>,
 }
 
-/// An experiment that would tell the members of a class apart.
+/// An experiment that would separate the members of a class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Separation {
     /// The recording to make.
@@ -240,7 +240,7 @@ pub struct Total {
     pub after_mm: f64,
     /// Of noise alone.
     pub noise_mm: f64,
-    /// How well releases repeat, mm: as stated, or as releases of one condition tell it, or else 1.7 % of the first swing.
+    /// How well releases repeat, mm: as stated, or as releases of one condition show it, or else 1.7 % of the first swing.
     pub repeats_mm: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What should be known before an answer is used: what the experiment cannot tell, and what the fit had to assume.
+//! What should be known before an answer is used: what the experiment cannot determine, and what the fit had to assume.
 
 use efam_core::work::written;
 use efam_experiments::out_of_plane;
@@ -69,7 +69,7 @@ fn had(problem: &Problem) -> Vec<&'static str> {
     could.map(|about| about.name).filter(|name| !STANDING.contains(name) && problem.has(name)).collect()
 }
 
-/// What an experiment cannot tell, whatever the answer.
+/// What an experiment cannot determine, whatever the answer.
 fn of_experiment(problem: &Problem) -> Vec<String> {
     let fitted: Vec<_> = problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
     let mut words = Vec::new();

@@ -167,7 +167,7 @@ impl Errors {
         Some(format!("{}; the intervals include that; {MEASURE}", payload.words(&taken)))
     }
 
-    /// The model of a draw, the same whoever asks for it; none that makes no sense. Errors that take a number
+    /// The model of a draw, the same for every caller; none that makes no sense. Errors that take a number
     /// out of what it may be are drawn anew: of two that move against one another, neither gives way alone.
     pub fn drawn(&self, seed: u64, draw: usize) -> Option<Model> {
         self.model(&self.errors(seed, draw))

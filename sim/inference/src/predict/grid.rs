@@ -74,7 +74,7 @@ impl Cell {
 pub struct PastStraightDown {
     /// Pressure above ambient, Pa.
     pub pressure_pa: Option<f64>,
-    /// The payload, kg; none where it happens nowhere between those that were asked, or with all of them.
+    /// The payload, kg; none where it happens at none of the requested payloads, or at all of them.
     pub payload_kg: Option<f64>,
     /// The interval that holds 95 % of what the errors of the calibration admit, kg.
     pub interval_95: Option<[f64; 2]>,
@@ -91,9 +91,9 @@ pub struct Slowest {
     pub pressure_pa: f64,
     /// Natural frequency there, Hz.
     pub frequency_hz: f64,
-    /// Its interval, of the nearest pressure that was asked.
+    /// Its interval, of the nearest requested pressure.
     pub interval_95: Option<[f64; 2]>,
-    /// Whether it is the lowest or the highest pressure that was asked: beyond it may be slower still.
+    /// Whether it is the lowest or the highest requested pressure: beyond it may be slower still.
     pub at_end: bool,
 }
 
@@ -107,7 +107,7 @@ pub fn runs(known: Option<&Known>) -> usize {
     1 + known.map_or(0, of)
 }
 
-/// Foretells every pressure with every payload. `tell` hears of each case that is done, from any thread.
+/// Predicts every pressure with every payload. `tell` is called after each case, from any thread.
 /// # Errors
 /// [`ScenarioError`] for a case that makes no sense; one that cannot be simulated says so in its cell.
 pub fn grid(

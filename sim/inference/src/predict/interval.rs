@@ -32,7 +32,7 @@ pub(super) fn with_error(own: f64, [low, high]: [f64; 2], half: f64) -> [f64; 2]
 pub(super) struct Change {
     /// Change of the number for one standard deviation.
     pub slope: f64,
-    /// Standard deviations that the parameters may go before one meets its bound.
+    /// Standard deviations that the parameters may go before one reaches its bound.
     pub room: f64,
 }
 

@@ -124,8 +124,8 @@ pub struct PredictError {
     pub reason: String,
 }
 
-/// Foretells a case; `known` is what a calibration says of its muscle. `tell` hears of each draw, from any
-/// thread.
+/// Predicts a case; `known` is what a calibration says of its muscle. `tell` is called after each draw, from
+/// any thread.
 /// # Errors
 /// [`PredictError`] where the case itself cannot be simulated to its end; a draw that cannot is counted.
 pub fn predict(

@@ -15,7 +15,7 @@ use crate::normal::NORMAL_95;
 /// Angle at the end of a cantilever under a load there, over its deflection a length.
 const END_ANGLE: f64 = 1.5;
 
-/// What a calibration's model missed, and where it is asked.
+/// What a calibration's model missed, and the run to which it applies.
 pub(super) struct ModelError {
     pub misfit: Misfit,
     /// Largest distance of the tip from its rest, m.

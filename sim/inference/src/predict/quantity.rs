@@ -1,4 +1,4 @@
-//! The numbers of a prediction: what they mean, and where they stand in a run.
+//! The numbers of a prediction: what they mean, and where a run gives them.
 
 use efam_experiments::summary::{Mode, Summary};
 use models::muscle::Marker;
@@ -58,7 +58,7 @@ pub(super) enum Off {
     Frequency,
     /// A damping ratio of the first mode, or a time in which it acts.
     Damping,
-    /// What no recording of a swing tells.
+    /// What no recording of a swing shows.
     Untold,
 }
 
@@ -100,7 +100,7 @@ pub(super) struct PredictedKind {
     pub off: Off,
 }
 
-/// Name and unit of every number, in the order in which they are told.
+/// Name and unit of every number, in the order in which they are reported.
 pub fn units() -> impl Iterator<Item = (&'static str, &'static str)> {
     QUANTITIES.iter().map(|kind| (kind.name, kind.unit))
 }
@@ -125,7 +125,7 @@ const fn kind(
     PredictedKind { name, meaning, unit, entry, of, off }
 }
 
-/// All numbers, in the order in which they are told.
+/// All numbers, in the order in which they are reported.
 #[rustfmt::skip]
 pub(super) const QUANTITIES: [PredictedKind; 19] = [
     kind(REST[0], "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m), Off::Rest),

@@ -1,4 +1,4 @@
-//! What is asked: a rod, a pressure, a payload, an angle; and the scenario that says so.
+//! A request: a rod, a pressure, a payload, an angle; and the scenario that says so.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use efam_experiments::scenario::{Case, ReleaseOptions, Scenario, ScenarioError};
 use models::muscle::{BUILT_IN, Known};
 use toml::{Table, Value};
 
-/// The rod that is asked about, and all but its pressure and its payload's mass; SI.
+/// The requested rod, and all but its pressure and its payload's mass; SI.
 #[derive(Clone, Debug, Default)]
 pub struct CaseRequest {
     /// File that the scenario's text comes from, or would.
@@ -39,8 +39,8 @@ impl CaseRequest {
     }
 
     /// An experiment with this rod in place of its own, what a calibration says of the rod's numbers, and warnings of effects in
-    /// the experiment that this rod lacks. What the experiment says of a recording, such as its pressure and payload, stands,
-    /// and so does its clamp.
+    /// the experiment that this rod lacks. The experiment's statements of a recording, such as its pressure and
+    /// payload, remain, and so does its clamp.
     /// # Errors
     /// [`ExperimentError`] for what the experiment or the rod refuses.
     pub fn in_experiment(

@@ -54,7 +54,7 @@ impl Simulated {
     }
 }
 
-/// What a run shows on its way.
+/// What a run shows during the motion.
 struct Shown {
     /// Largest bending moment at the root, N m.
     root: f64,

@@ -6,7 +6,7 @@ use models::quantity::format_si;
 use super::errors::Errors;
 use models::digits::significant;
 
-/// How far what is asked goes.
+/// The range of what is requested.
 pub(super) struct Extent<'a> {
     /// Pressures, Pa; of a rod that is no muscle none.
     pub pressures: &'a [f64],
