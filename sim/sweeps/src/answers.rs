@@ -47,7 +47,7 @@ impl Answers {
         self.experiments.extend(Answer::of_rows(columns, cells).unwrap_or_default());
     }
 
-    /// Counts them, when all are seen, and asks the shards how long they took.
+    /// Counts them, when all are seen, and reads from the shards how long they took.
     pub(super) fn finish(&mut self, plan: &Plan) {
         let seconds: HashMap<usize, f64> =
             (0..plan.head.shards()).flat_map(|shard| seconds(&plan.folder, shard)).collect();

@@ -1,10 +1,10 @@
-//! What a cluster is told: which shard a task is, and the scripts of an array of them.
+//! For a cluster: which shard a task is, and the scripts of an array of them.
 
 use std::path::Path;
 
 use efam_store::escape::is_hidden;
 
-/// Variables by which schedulers tell a task its place in an array, and from which number they count: Slurm, PBS,
+/// Variables by which schedulers give a task its place in an array, and from which number they count: Slurm, PBS,
 /// Grid Engine, AWS Batch.
 const PLACES: [(&str, usize); 4] = [
     ("SLURM_ARRAY_TASK_ID", 0),
@@ -12,10 +12,10 @@ const PLACES: [(&str, usize); 4] = [
     ("SGE_TASK_ID", 1), // its arrays cannot begin with 0
     ("AWS_BATCH_JOB_ARRAY_INDEX", 0),
 ];
-/// What Grid Engine tells a job that is no array.
+/// What Grid Engine gives a job that is no array.
 const NONE: &str = "undefined";
 
-/// The shard that a scheduler asks for, and the variable that says so.
+/// The shard that a scheduler requests, and the variable that says so.
 /// # Errors
 /// What is wrong with it.
 pub fn array_place(
@@ -34,7 +34,7 @@ pub fn array_place(
 
 /// The script of an array whose members are shards. What they print goes to `log` in the folder of the plan.
 /// # Errors
-/// Why a path cannot stand in a script.
+/// Why a path cannot be in a script.
 pub fn array_script(name: &str, program: &Path, folder: &Path) -> Result<String, String> {
     let (log, program, plan) = (option(folder)?, quoted(program)?, quoted(folder)?);
     Ok(format!(
@@ -52,7 +52,7 @@ pub fn array_script(name: &str, program: &Path, folder: &Path) -> Result<String,
 
 /// The script of the job that puts all together, to be handed in after any end of the array.
 /// # Errors
-/// Why a path cannot stand in a script.
+/// Why a path cannot be in a script.
 pub fn merge_script(name: &str, program: &Path, folder: &Path) -> Result<String, String> {
     let (log, program, plan) = (option(folder)?, quoted(program)?, quoted(folder)?);
     Ok(format!(

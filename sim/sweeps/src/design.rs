@@ -1,4 +1,4 @@
-//! The points of a design: each the same whoever asks for it, and whatever others are asked for.
+//! The points of a design: each the same for every caller, whatever others are requested.
 
 use efam_experiments::scenario::{Case, Scenario, ScenarioError, ScenarioProblem};
 use efam_inference::normal::uniform;

@@ -39,7 +39,7 @@ fn is_usual_budget(budget: &u64) -> bool {
     *budget == usual_budget()
 }
 
-/// What stands between names of a list.
+/// The text between names of a list.
 pub(super) const AND: &str = " + ";
 
 /// The columns that a point has before it is diagnosed.
@@ -162,7 +162,7 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
     NUMBERS.iter().find(|(own, ..)| *own == name).map(|(.., meaning)| *meaning)
 }
 
-/// Diagnoses the experiment of a point. Whatever goes wrong stands in the row.
+/// Diagnoses the experiment of a point. The row gives whatever goes wrong.
 pub(super) fn run(work: &Diagnose, point: &Point) -> Row {
     let said = catch_unwind(AssertUnwindSafe(|| said(work, point))).unwrap_or_else(|_| Err(fault()));
     match said {

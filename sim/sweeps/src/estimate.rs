@@ -10,13 +10,13 @@ use super::request::{Subject, SweepRequest};
 
 /// Points that are tried.
 const TRIED: usize = 3;
-/// Shards at most, unless more are asked for: Slurm admits 1000 members of an array unless told otherwise
+/// Shards at most, unless more are requested: Slurm admits 1000 members of an array by default
 /// (slurm.conf(5), MaxArraySize).
 const MOST_SHARDS: usize = 1000;
 /// Work that a shard of a cluster should hold at least: a scheduler takes a second or so to start it.
 const LEAST_WORK: Duration = Duration::from_secs(30);
 
-/// Points of a shard, unless more are asked for. What is interrupted keeps whole shards, so they are as small as their
+/// Points of a shard, unless more are requested. What is interrupted keeps whole shards, so they are as small as their
 /// number admits. It depends on nothing that differs from machine to machine: a plan has one hash everywhere.
 pub fn points_per_shard(points: usize) -> usize {
     points.div_ceil(MOST_SHARDS).max(1)

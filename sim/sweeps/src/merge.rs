@@ -17,13 +17,13 @@ use super::shard::{Found, PART, SECONDS, file, folder, look};
 use super::status::{SWEEP, array};
 use super::work::Work;
 
-/// The table of all points as text, if asked for.
+/// The table of all points as text, if requested.
 pub const CSV: &str = "sweep.csv";
 /// Rows that are written at a time, whatever the shards: so they leave no trace in the table.
 const ROWS: usize = 8192;
 /// Points that are kept for quantiles and pictures, at most.
 const KEPT: usize = 4096;
-/// Reasons of failures that are told, at most.
+/// Reasons of failures that are reported, at most.
 const REASONS: usize = 10;
 
 /// Results of a sweep.
@@ -183,7 +183,7 @@ fn complete(plan: &Plan) -> Result<(), SweepError> {
     }
 }
 
-/// Rows on their way from shards of any size to pieces of one size.
+/// Rows between shards of any size and pieces of one size.
 struct Rows {
     waiting: Vec<Cells>,
 }

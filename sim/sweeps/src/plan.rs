@@ -80,7 +80,7 @@ impl Head {
     }
 }
 
-/// Freezes what is asked: writes its points, and returns its head.
+/// Freezes a request: writes its points, and returns its head.
 /// # Errors
 /// [`SweepError`].
 pub fn freeze(asked: &SweepRequest, points_per_shard: usize, to: &mut dyn Write) -> Result<Head, SweepError> {
@@ -200,7 +200,7 @@ pub fn head_text(head: &Head) -> String {
     serde_json::to_string_pretty(head).expect("a head has nothing that JSON has not") + "\n"
 }
 
-/// The points of a plan, one after the other: only those that are asked for are held.
+/// The points of a plan, one after the other: only those that are requested are held.
 pub struct Points<'a> {
     head: &'a Head,
     /// The columns of its lines.
@@ -212,7 +212,7 @@ pub struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// Points of a shard that lies beyond those that were asked for before.
+    /// Points of a shard that lies beyond those that were requested before.
     /// # Errors
     /// [`SweepError::Altered`] where a line is none of a plan.
     /// # Panics

@@ -1,4 +1,4 @@
-//! A point of a sweep over a scenario: the case that it stands for, and what a run of that says.
+//! A point of a sweep over a scenario: the case that it defines, and what a run of that says.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -61,7 +61,7 @@ pub fn setting(kind: Option<ValueKind>, path: &str, value: &DesignValue) -> Stri
     }
 }
 
-/// Simulates a point to its end. Whatever goes wrong stands in the row.
+/// Simulates a point to its end. The row gives whatever goes wrong.
 pub fn run(make: impl FnOnce(&Point) -> Result<Case, ScenarioError>, point: &Point) -> Row {
     let simulated = catch_unwind(AssertUnwindSafe(|| {
         let case = make(point).map_err(|error| error.message())?;

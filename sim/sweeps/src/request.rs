@@ -1,4 +1,4 @@
-//! What is asked of a sweep, as a TOML file says it.
+//! The request of a sweep, as a TOML file gives it.
 //!
 //! ```toml
 //! [sweep]
@@ -251,7 +251,7 @@ impl OfScenario {
     /// tried as it is. Returns what should be known before the results are used.
     fn take_in_files(&mut self, sweep: &Keys) -> Result<Vec<String>, ScenarioError> {
         let mut warnings = Vec::new();
-        // What varies need not stand in the scenario.
+        // The scenario need not contain what varies.
         let first = |own: &DesignParameter| setting(Some(own.kind), &own.path, &own.values.at(0.0, own.kind));
         let varied: Vec<String> = self.parameters.iter().map(first).collect();
         let scenario = Scenario::parse(&self.scenario, &self.scenario_text, &varied)?;

@@ -62,7 +62,7 @@ pub(super) fn joined(words: Vec<String>, between: &str) -> Option<String> {
     (!words.is_empty()).then(|| words.join(between))
 }
 
-/// A fault of the program's own has been told on stderr; it must not take the other points with it.
+/// A fault of the program's own has been reported on stderr; it must not take the other points with it.
 pub(super) fn fault() -> String {
     "the program itself failed; please report it".to_owned()
 }

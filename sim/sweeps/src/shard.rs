@@ -93,7 +93,7 @@ pub fn is_due(plan: &Plan, shard: usize, overwrite: bool) -> Result<bool, SweepE
     }
 }
 
-/// What is told of a sweep that runs.
+/// What is reported of a sweep that runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Told {
     /// One more point is done.
@@ -103,7 +103,7 @@ pub enum Told {
 }
 
 /// Runs shards, the first one first, and writes each when it is done; returns how many of their points have no answer.
-/// `tell` hears how it goes on, from any thread. After `stop` no further shard is begun.
+/// `tell` receives the progress, from any thread. After `stop` no further shard is begun.
 ///
 /// As many shards run at a time as there are threads, each on threads of its own. So none waits for the longest, what
 /// is interrupted loses little, and each diagnosis says truly how long it took.

@@ -1,4 +1,4 @@
-//! What is there of a sweep, and what is missing: told from its files alone.
+//! What is there of a sweep, and what is missing: read from its files alone.
 
 use efam_store::columns::about;
 use schemars::JsonSchema;

@@ -102,7 +102,7 @@ impl Work {
         Some(Point { index: fixed[0].parse().ok()?, seed, values })
     }
 
-    /// Does what is to be done with a point, to its end. Whatever goes wrong stands in the row.
+    /// Does what is to be done with a point, to its end. The row gives whatever goes wrong.
     pub fn run(&self, point: &Point) -> Row {
         match self {
             Work::Simulate(own) => point::run(|point| own.case(point), point),
