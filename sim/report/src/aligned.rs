@@ -13,7 +13,7 @@ const LEAST: u16 = 16;
 /// Letters of a word, such as a key, that is never broken, at most.
 const WHOLE: usize = 40;
 
-/// How the cells of a column stand.
+/// How the cells of a column are aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// On the left; what is long goes on in the next line.

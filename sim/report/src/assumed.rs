@@ -42,7 +42,7 @@ pub fn of_run(summary: &Summary) -> Vec<String> {
     words
 }
 
-/// What a fit holds fixed, and what it fits beside the parameters that were asked for.
+/// What a fit holds fixed, and what it fits beside the requested parameters.
 pub fn of_problem(problem: &Problem) -> Vec<String> {
     let unit = |path: &str| {
         let model = &problem.trials.first()?.model;

@@ -5,7 +5,7 @@
 //!   report.html       the page for people
 //!   check.json        each number of each release: measured, predicted, interval, whether that holds
 //!   experiment.toml   the experiment, with the calibrated rod
-//!   summary.json      what was asked, by which command
+//!   summary.json      the request, and its command
 //! ```
 
 use std::fmt::Write;

@@ -71,7 +71,7 @@ pub struct Compared {
 pub struct Row {
     /// What it is.
     pub name: String,
-    /// Unit in which it is told.
+    /// Unit in which it is given.
     pub unit: String,
     /// None where the run has none.
     pub values: Vec<Option<f64>>,

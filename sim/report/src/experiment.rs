@@ -126,7 +126,7 @@ pub struct Row<'a> {
     pub held_out: bool,
     /// Why it is not used, if it is not.
     pub dropped: Option<&'a str>,
-    /// Whether it stands for the releases of the same pressure and payload.
+    /// Whether it represents the releases of the same pressure and payload.
     pub representative: bool,
     /// Its numbers.
     pub statistics: &'a Statistics,
@@ -177,7 +177,7 @@ fn csv(release: &Release) -> String {
 /// A name for each of several recordings that have one; none ends as the number of a release does.
 fn unique(name: &str, taken: &mut HashMap<String, usize>) -> String {
     let mut unique = name.to_owned();
-    // Some file systems do not tell `Tip` from `tip`. The search goes on where it ended the last time.
+    // Some file systems do not distinguish `Tip` from `tip`. The search goes on where it ended the last time.
     let mut number = taken.get(&name.to_lowercase()).map_or(1, |last| *last);
     while taken.contains_key(&unique.to_lowercase()) {
         number += 1;

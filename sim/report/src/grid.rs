@@ -7,7 +7,7 @@
 //!   grid.parquet, grid.csv   the same, one row a case
 //!   over-payload.svg, over-pressure.svg, map-….svg    the pictures
 //!   scenario.resolved.toml   the first case, for `efam simulate`
-//!   summary.json             what was asked, by which command
+//!   summary.json             the request, and its command
 //! ```
 
 use std::fmt::Write;

@@ -59,7 +59,7 @@ use told::{Told, told};
 pub const SCENARIO: &str = "scenario.resolved.toml";
 /// The trajectory.
 pub const PARQUET: &str = "trajectory.parquet";
-/// The trajectory, if asked for.
+/// The trajectory, if requested.
 pub const CSV: &str = "trajectory.csv";
 /// The picture.
 pub const PICTURE: &str = "release.svg";
@@ -98,7 +98,7 @@ pub struct Request {
 pub struct Written {
     /// The run folder.
     pub folder: PathBuf,
-    /// What stands in its `summary.json`.
+    /// The content of its `summary.json`.
     pub summary: Summary,
 }
 
@@ -117,7 +117,7 @@ pub fn write(
 }
 
 /// Opens the folder of a request, to be finished after its runs: before a long simulation, so that
-/// what stands in the way is said first, and recordings find their place; or for many runs.
+/// obstacles are reported first, and recordings find their place; or for many runs.
 /// # Errors
 /// [`StoreError`].
 pub fn begin(request: &Request) -> Result<Folder, StoreError> {

@@ -89,7 +89,7 @@ impl Page {
         let _ = writeln!(self.body, "<ul>\n{items}</ul>");
     }
 
-    /// Names with what they stand for.
+    /// Names with their meanings.
     pub fn facts(&mut self, facts: &[(String, String)]) {
         let row = |(name, value): &(String, String)| {
             format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(value))
@@ -206,7 +206,7 @@ impl Page {
         let entry = |(k, section): (usize, &String)| {
             format!("<li><a href=\"#s{}\">{}</a></li>\n", k + 1, escaped(section))
         };
-        // Caveats stand below what they are of: the first lines say how many there are, and lead to them.
+        // Caveats are below what they concern: the first lines say how many there are, and lead to them.
         let caveats = self.caveats.map_or(String::new(), |(words, section)| {
             format!("<p>Before you use this: <a href=\"#s{section}\">{}</a>.</p>\n", escaped(&words))
         });
@@ -225,7 +225,7 @@ impl Page {
     }
 }
 
-/// Text as it may stand between tags and in quoted attributes.
+/// Text as it may be between tags and in quoted attributes.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {

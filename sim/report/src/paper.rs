@@ -1,10 +1,10 @@
 //! What the paper's Figures 4 to 9 show: from runs of our own, or from the recordings of an experiment.
 //!
-//! The paper publishes no trajectory and no position of a marker. So without recordings, what it measured is stood in
-//! for by a release that is simulated at every pressure of its table, with the bending stiffness that its 32-node rod
-//! was fitted with, and the root and the mass that belong to that (see `SCENARIO`). The tip at rest of that run stands
-//! for the measured tip; the paper's beam and its rods of 4 to 40 nodes are fitted to it as the paper fits them. So the
-//! rod of 32 nodes finds the table's own stiffness again, and no error: by construction.
+//! The paper publishes no trajectory and no position of a marker. So without recordings, its measurements are replaced
+//! by a release that is simulated at every pressure of its table. That rod has the bending stiffness that the paper's
+//! 32-node rod was fitted with, and the root and the mass that belong to that (see `SCENARIO`). The tip at rest of that
+//! run replaces the measured tip; the paper's beam and its rods of 4 to 40 nodes are fitted to it as the paper fits
+//! them. So the rod of 32 nodes finds the table's own stiffness again, and no error: by construction.
 //!
 //! With an experiment the tips are recorded, and the models are fitted to their rests.
 //!
@@ -100,7 +100,7 @@ pub struct Numbers {
     pub damping_ratio: Option<f64>,
     /// Slowest mode about the rest, Hz; of a recording that of the rod of 32 nodes with the EI of the tip at rest.
     pub first_mode_hz: Option<f64>,
-    /// Whether the tip passed beyond straight down; none where only the end body's angle would tell.
+    /// Whether the tip passed beyond straight down; none where only the end body's angle would show it.
     pub beyond_straight_down: Option<bool>,
 }
 
@@ -309,7 +309,7 @@ pub enum FiguresError {
     Experiment(#[from] ExperimentError),
 }
 
-/// Whether an experiment can have figures: asked before its recordings are read.
+/// Whether an experiment can have figures: checked before its recordings are read.
 /// # Errors
 /// [`FiguresError::Incomplete`] without a model or without pressures.
 pub fn admit(experiment: &Experiment) -> Result<(), FiguresError> {

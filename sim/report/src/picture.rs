@@ -1,4 +1,4 @@
-//! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
+//! Pictures of runs, as SVG: readable without colour, and distinguishable for those who see few colours.
 
 mod against_markers;
 mod analysed;

@@ -6,7 +6,7 @@
 //!   prediction.json          numbers with intervals, cycles, warnings
 //!   prediction.svg           height of the tip, rod, damping and frequency over amplitude
 //!   scenario.resolved.toml   the case, for `efam simulate`
-//!   summary.json             what was asked, by which command
+//!   summary.json             the request, and its command
 //! ```
 
 pub(super) mod answers;

@@ -1,4 +1,4 @@
-//! The numbers of a run as people are told them: in mm, degrees, Hz and s, each with what it is.
+//! The numbers of a run for people: in mm, degrees, Hz and s, each with what it is.
 
 use efam_experiments::summary::Summary;
 
@@ -9,7 +9,7 @@ use crate::report::significant;
 pub struct Quantity {
     /// What it is.
     pub name: &'static str,
-    /// Unit in which it is told; empty if dimensionless.
+    /// Unit in which it is given; empty if dimensionless.
     pub unit: &'static str,
     /// The number, or why there is none.
     pub value: Result<f64, String>,
@@ -22,7 +22,7 @@ impl Quantity {
     }
 }
 
-/// The numbers of a run, in the order in which they are told.
+/// The numbers of a run, in the order in which they are reported.
 pub fn quantities(summary: &Summary) -> Vec<Quantity> {
     const MILLI: f64 = 1e3;
     let degrees = 1.0f64.to_degrees();

@@ -18,7 +18,7 @@ const WIDTH: usize = 80;
 /// Where values begin.
 const COLUMN: usize = 17;
 
-/// Factor and unit in which a number of an SI unit is told: lengths in mm, angles in degrees, pressures in kPa, masses
+/// Factor and unit in which a number of an SI unit is printed: lengths in mm, angles in degrees, pressures in kPa, masses
 /// in g, energies in mJ.
 pub(super) fn readable(unit: &str) -> (f64, &str) {
     match unit {
@@ -257,7 +257,7 @@ fn millimetres(metres: f64, errors: Option<&Errors>) -> String {
     unsigned_zero(format!("{:.decimals$}", 1e3 * metres))
 }
 
-/// Smallest unit of a last digit, over the accuracy asked for.
+/// Smallest unit of a last digit, over the requested accuracy.
 const LAST_DIGIT: f64 = 4.0;
 
 fn degrees(angle: f64) -> String {

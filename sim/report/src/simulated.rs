@@ -60,7 +60,7 @@ impl Member {
         Self { rod, ..Self::new(summary, pressure, trajectory) }
     }
 
-    /// What stands for it in pictures and tables over pressure.
+    /// Its name in pictures and tables over pressure.
     fn name(&self) -> String {
         self.pressure.map_or(self.summary.name.clone(), psi)
     }

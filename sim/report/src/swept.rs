@@ -7,7 +7,7 @@
 //!   sweep.parquet                all rows, in the order of the points (sweep.csv on request)
 //!   sweep.json                   how each number is spread, what diagnoses say, failures, warnings
 //!   report.html, over-….svg      all of it, for people
-//!   summary.json                 what was asked, by which command
+//!   summary.json                 the request, and its command
 //! ```
 
 mod diagnosed;
@@ -109,7 +109,7 @@ fn spreads(merged: &Merged) -> String {
     table.to_string()
 }
 
-/// What is told of a spread after its name.
+/// What is given of a spread after its name.
 const HEADS: [&str; 6] = ["points", "least", "2.5 %", "median", "97.5 %", "greatest"];
 
 /// A spread under these heads, and its unit.

@@ -17,7 +17,7 @@ use models::statics::{equilibrium, modes};
 pub struct ModelFile {
     /// Its name: `muscle.toml`, or `rod.toml`.
     pub name: String,
-    /// What stands in it.
+    /// Its content.
     pub text: String,
 }
 
@@ -102,7 +102,7 @@ pub fn muscle_file(
     };
     for (path, name) in COLUMNS {
         let Some(found) = usable(path) else { continue };
-        // What all pressures share stands at any of them.
+        // What all pressures share is given at any of them.
         let anywhere = calibration.releases.iter().find_map(|release| release.pressure_pa).unwrap_or(0.0);
         let values = found.iter().map(|one| (one.pressure_pa.unwrap_or(anywhere), one.value));
         // One EI for all pressures has no shape.
@@ -170,7 +170,7 @@ fn misfit<'a>(
     let releases: Vec<_> = releases.collect();
     let mean = |fitted: usize, of: &dyn Fn(&ReleaseFit) -> Option<f64>| {
         let values: Vec<f64> = releases.iter().filter_map(|release| of(release)).collect();
-        // As many numbers as releases are met exactly, and say nothing.
+        // As many numbers as releases fit exactly, and show nothing.
         let degrees = if values.len() > fitted { values.len() - fitted } else { values.len().max(1) };
         (values.iter().map(|value| value * value).sum::<f64>() / degrees as f64).sqrt()
     };

@@ -69,7 +69,7 @@ fn word(calibration: &Calibration) -> String {
     }
 }
 
-/// How well the releases are met, and the best and worst known parameter.
+/// How well the releases are fitted, and the best and worst known parameter.
 fn lead(calibration: &Calibration) -> String {
     let fitted = || calibration.releases.iter().filter(|release| !release.held_out);
     let rms = fitted().flat_map(|release| &release.tracks).map(|track| track.rms_mm);

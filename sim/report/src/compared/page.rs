@@ -63,7 +63,7 @@ pub(super) fn page(
     page.finish()
 }
 
-/// What stands out: how much the numbers by which one would know a muscle differ.
+/// The first lines: how much the numbers by which one would know a muscle differ.
 fn lead(runs: &[Reread], comparison: &Comparison) -> (String, String) {
     if let [run] = runs {
         let page = if run.has_page {

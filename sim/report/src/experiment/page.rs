@@ -149,7 +149,7 @@ fn assumed(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Analys
     words
 }
 
-/// A value as people are told it, or why there is none.
+/// A value as people read it, or why there is none.
 fn told<E: std::fmt::Display>(value: Result<f64, E>, digits: i32) -> String {
     value.map_or_else(|why| why.to_string(), |value| significant(value, digits))
 }

@@ -233,10 +233,10 @@ fn nearest(palette: &[[u8; 3]], color: [u8; 3]) -> u8 {
     best.map_or(0, |(index, _)| index as u8)
 }
 
-/// The image before, and the colours that were met.
+/// The image before, and the colours found so far.
 struct Film {
     palette: Vec<[u8; 3]>,
-    /// The index of each colour by its 24 bits, [`SAME`] where it was not met yet.
+    /// The index of each colour by its 24 bits, [`SAME`] where it was not found yet.
     known: Vec<u8>,
     /// Red, green, blue and opacity of each pixel; none before the first image.
     pixels: Vec<u8>,
@@ -327,7 +327,7 @@ mod tests {
             now[k..k + 3].copy_from_slice(&color);
             film.next(&now)
         };
-        // What no index tells apart does not differ.
+        // Colours with the same index do not differ.
         let same = put(300, 3, [255, 255, 254]);
         assert_eq!((same.width, same.height, &same.buffer[..]), (1, 1, &[SAME][..]));
         let one = put(7, 1, ROD);

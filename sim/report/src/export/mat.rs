@@ -16,7 +16,7 @@ pub(super) const MOST_LETTERS: usize = 63;
 
 /// Writes the file.
 /// # Errors
-/// What the writer met.
+/// An error of the writer.
 pub(super) fn write(run: &Stored, to: impl Write) -> io::Result<()> {
     let mut options = Options::default();
     options.invalid_name_policy = InvalidNamePolicy::Sanitize;

@@ -30,7 +30,7 @@ struct Channel<'a> {
 
 /// Writes the file.
 /// # Errors
-/// What the writer met.
+/// An error of the writer.
 pub(super) fn write(run: &Stored, to: impl Write + Seek) -> io::Result<()> {
     filled(run, to).map_err(|error| match error {
         McapError::Io(error) => error,

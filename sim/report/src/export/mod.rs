@@ -64,7 +64,7 @@ pub enum ExportError {
     /// The folder.
     #[error(transparent)]
     Run(#[from] RereadError),
-    /// A run whose numbers stand elsewhere.
+    /// A run whose numbers are elsewhere.
     #[error("{}: holds no table, neither Parquet nor CSV; its numbers are in its JSON files", folder.display())]
     NoTable {
         /// The folder.

@@ -42,7 +42,7 @@ pub struct Place {
     pub at: [f32; 2],
     /// Share of the text that lies before it: 0, a half, or 1.
     pub anchor: f32,
-    /// Downwards from there to the line on which letters stand.
+    /// Downwards from there to the baseline of the letters.
     pub below: f32,
     /// Degrees about the point, clockwise.
     pub turned: f32,

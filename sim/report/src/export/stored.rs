@@ -53,11 +53,11 @@ pub struct Table {
     pub name: String,
     /// How many rows.
     pub rows: usize,
-    /// What stands in them.
+    /// Their content.
     pub series: Vec<Series>,
 }
 
-/// A column, or columns that one number tells apart, such as `x_00_m`, `x_01_m`, …, which become `x_m`.
+/// A column, or columns whose names differ in one number only, such as `x_00_m`, `x_01_m`, …, which become `x_m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     /// Name with unit.
@@ -68,10 +68,10 @@ pub struct Series {
     pub cells: Cells,
 }
 
-/// What stands in the rows.
+/// The content of the rows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// So many numbers a row, row after row; not a number where nothing stands.
+    /// So many numbers a row, row after row; not a number where nothing is given.
     Numbers {
         /// Numbers in a row.
         width: usize,
@@ -212,7 +212,7 @@ fn of_csv(file: &Path) -> Result<Vec<Series>, RereadError> {
     Ok(names.into_iter().zip(columns).map(one).collect())
 }
 
-/// The unit that a name ends in; the ends of intervals stand behind it.
+/// The unit that a name ends in; the ends of intervals follow it.
 fn unit(name: &str) -> &'static str {
     let bare = name.trim_end_matches("_95").trim_end_matches("_low").trim_end_matches("_high");
     UNITS.iter().find(|(end, _)| bare.ends_with(end)).map_or("", |(_, unit)| unit)

@@ -1,4 +1,4 @@
-//! What stands around the results on every page: after them what should be known before they are used, last the
+//! What surrounds the results on every page: after them what should be known before they are used, last the
 //! facts of the run.
 
 use std::time::SystemTime;
@@ -118,7 +118,7 @@ impl Page {
     }
 }
 
-/// Warnings that speak of extrapolation, and the others.
+/// Warnings of extrapolation, and the others.
 pub fn extrapolated(warnings: &[String]) -> (Vec<String>, Vec<String>) {
     warnings.iter().cloned().partition(|warning| warning.contains("extrapolated"))
 }

@@ -60,7 +60,7 @@ pub struct Rows {
 pub enum Cases {
     /// One.
     One(usize),
-    /// One, and the mark is only there while a reader chooses it: a picture that cannot be asked leaves it out.
+    /// One, and the mark is only there while a reader chooses it: a picture that is not interactive omits it.
     Chosen(usize),
     /// One for each of its points.
     Each(Vec<usize>),
@@ -83,7 +83,7 @@ pub enum Mark {
     Band { points: Vec<(f64, [f64; 2])>, stroke: Stroke },
     /// A shaded strip.
     Strip { x: Range<f64>, y: Range<f64> },
-    /// A cell of a map, and the number that it stands for.
+    /// A cell of a map, and the number that it represents.
     Cell { x: Range<f64>, y: Range<f64>, color: RGBColor, value: f64 },
     /// A small number about a point.
     Number { at: Point, text: String, color: RGBColor },
@@ -128,11 +128,11 @@ pub struct Key {
     pub stroke: Stroke,
     /// Its shape.
     pub shape: Shape,
-    /// What it stands for.
+    /// Its meaning.
     pub text: String,
 }
 
-/// How what a key stands for is drawn.
+/// How the subject of a key is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A line.

@@ -1,5 +1,5 @@
 //! The pictures of a calibration's page: each track with its residuals, its decay and damping, the parameters
-//! over pressure, what cannot be told apart.
+//! over pressure, what cannot be separated.
 
 use efam_inference::calibrate::misfit::swing_of;
 use efam_inference::calibrate::{Calibration, Curve};

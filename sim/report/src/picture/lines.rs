@@ -1,10 +1,10 @@
-//! Several lines in one panel, told apart without colour: by dash, width and mark.
+//! Several lines in one panel, distinguished without colour: by dash, width and mark.
 
 use crate::picture::chart::Cases;
 use crate::picture::panel::{Axis, Key, Panel, Stroke, padded};
 use crate::picture::{Area, BLACK, BLUE, CHOSEN, Drawn, GREEN, GREY, ORANGE, VERMILION};
 
-/// Lines of a picture, at most: more cannot be told apart.
+/// Lines of a picture, at most: more cannot be distinguished.
 pub(super) const MOST_LINES: usize = 8;
 
 /// A line with its name.
@@ -13,7 +13,7 @@ pub type Named = (String, Vec<(f64, f64)>);
 /// A band about a line: x, lower and upper end.
 pub type Band = Vec<(f64, [f64; 2])>;
 
-/// Looks of lines that are told apart by dash and width alone.
+/// Looks of lines that are distinguished by dash and width alone.
 pub(super) fn looks() -> [Stroke; MOST_LINES] {
     [
         Stroke::new(BLUE, 1.6),
@@ -67,7 +67,7 @@ impl Lines<'_> {
         self.draw_all(area, &lines, &[], bands)
     }
 
-    /// The same, each with the case of the page's family that it stands for; `others` only while they are chosen.
+    /// The same, each with the case of the page's family that it represents; `others` only while they are chosen.
     pub fn draw_cases(
         &self,
         area: &Area,

@@ -108,7 +108,7 @@ impl<'a> Panel<'a> {
         self.mark(Mark::Line { points, stroke: *stroke, times: None })
     }
 
-    /// A line through points at times, s, of which one is where the time of the page stands.
+    /// A line through points at times, s, of which one is at the present time of the page.
     pub fn path(&mut self, points: impl Iterator<Item = (f64, Point)>, stroke: &Stroke) -> Drawn {
         let (times, points): (Vec<f64>, Vec<Point>) = points.unzip();
         if points.len() < 2 {
@@ -141,7 +141,7 @@ impl<'a> Panel<'a> {
         self.mark(Mark::Strip { x, y })
     }
 
-    /// A cell of a map that stands for a number, with hardly a rim.
+    /// A cell of a map that represents a number, with hardly a rim.
     pub fn cell(&mut self, x: Range<f64>, y: Range<f64>, color: RGBColor, value: f64) -> Drawn {
         self.mark(Mark::Cell { x, y, color, value })
     }

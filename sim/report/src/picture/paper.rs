@@ -12,7 +12,7 @@ use crate::picture::{
 };
 use crate::simulated::psi;
 
-/// By how much the shapes of one pressure stand beside those of the one before, and of one model below those
+/// By how much the shapes of one pressure are beside those of the one before, and of one model below those
 /// of the one above, mm: the paper's own distance.
 const APART: f64 = 350.0;
 /// Models whose shapes the paper's Figure 7 shows.
@@ -213,7 +213,7 @@ fn one_shape(
 ) -> Drawn {
     panel.line(shape.points.iter().map(&at), &Stroke { width: 1.8, ..*line })?;
     panel.dots(shape.points.last().map(&at), line, 2.0)?;
-    // Of a simulated rod some points stand for markers.
+    // Of a simulated rod some points represent markers.
     let every = if of.is_recorded() { 1 } else { (of.body_at_rest.len() / 6).max(1) };
     let body = of.body_at_rest.iter().map(|(_, at)| at).step_by(every).skip(1);
     panel.rings(body.chain(&of.tip_at_rest).map(at), ring, 2.6)

@@ -138,7 +138,7 @@ fn words((low, high): (f64, f64)) -> [f64; 2] {
     [0.06, 0.14].map(|share| high - share * (high - low))
 }
 
-/// How far the largest stands above the smallest, as the paper counts it.
+/// How far the largest is above the smallest, as the paper counts it.
 fn spread(points: &Points) -> Option<f64> {
     let range = padded(points.iter().map(|point| point.1), 0.0);
     (points.len() > 1).then(|| range.end / range.start - 1.0)

@@ -175,7 +175,7 @@ fn phase(of: &ReleasePicture, area: &Area) -> Drawn {
     panel.rings(rest, &at_rest, 6.0)
 }
 
-/// A picture of something of each cycle over its amplitude, beside levels that stand for all of them.
+/// A picture of something of each cycle over its amplitude, beside levels that represent all of them.
 struct Levels<'a> {
     title: &'a str,
     label: &'a str,

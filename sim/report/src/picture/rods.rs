@@ -38,7 +38,7 @@ const SINCE_RELEASE: &str = "time since release, s";
 /// A time, s, and the places of the nodes and of the tip then, m.
 pub type Frame = (f64, Vec<[f64; 2]>);
 
-/// What moves, and what stands still beside it.
+/// What moves, and what is fixed beside it.
 #[derive(Clone, Debug)]
 pub struct Rods {
     /// What it shows.

@@ -1,5 +1,5 @@
 //! Tips of several runs in one picture: paths, heights over time, cycles over the amplitude. Lines differ in
-//! dash and in brightness, so that they are told apart without colour, and paths carry their name.
+//! dash and in brightness, so that they differ without colour, and paths carry their name.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::picture::{Area, BLACK, BLUE, CHOSEN, Drawn, GREEN, MILLI, Picture, VE
 /// The tip of a run.
 #[derive(Clone, Debug)]
 pub struct Tip<'a> {
-    /// What stands for the run.
+    /// The run's name in the picture.
     pub name: String,
     /// Times of its samples, s.
     pub times: &'a [f64],

@@ -147,7 +147,7 @@ fn capital(words: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// What lies outside what was calibrated stands apart from other warnings.
+/// What lies outside what was calibrated is separate from other warnings.
 fn before_use(warnings: &[String]) -> BeforeUse {
     let is_outside = |warning: &String| {
         ["lies outside", "extrapolated", "was calibrated to"].iter().any(|words| warning.contains(words))

@@ -7,7 +7,7 @@ use models::digits::significant;
 use crate::aligned::{Aligned, Side};
 use crate::page::{Page, Table};
 
-/// What is told of each experiment after its name.
+/// What is given of each experiment after its name.
 const HEADS: [&str; 4] = ["answer", "gap", "held-out gap", "s"];
 
 /// As a table for people.

@@ -53,7 +53,7 @@ pub fn write_plan(
     Ok(head)
 }
 
-/// The plan in a folder, if it is the one that is asked for.
+/// The plan in a folder, if it is the requested one.
 /// # Errors
 /// [`SweepError::OtherPlan`] if it is not.
 pub fn again(sweep: &SweepRequest, in_shard: Option<usize>, folder: &Path) -> Result<Plan, SweepError> {

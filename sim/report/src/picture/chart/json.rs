@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(column(&[0.0, 0.01, 0.02, 0.03])["count"], 4);
     }
 
-    /// A mark tells its case, or that of each of its points; a picture leaves out what is there only while chosen.
+    /// A mark gives its case, or that of each of its points; a picture leaves out what is there only while chosen.
     #[test]
     fn marks_tell_their_cases() {
         let line = Stroke::new(RGBColor(0, 114, 178), 1.0);
