@@ -179,7 +179,7 @@ pub fn diagnose(
     followed(py, tell, work)?.map_err(exception)
 }
 
-/// The rod that is asked about: a scenario by its text or path, or a muscle.
+/// The requested rod: a scenario by its text or path, or a muscle.
 fn request(of: &str) -> Result<CaseRequest, Failure> {
     let is_built_in = BUILT_IN.iter().any(|(name, _)| *name == of);
     if is_built_in || FileKind::of(Path::new(of)) == Some(FileKind::Muscle) {
@@ -305,7 +305,7 @@ pub fn plan(
     followed(py, tell, work)?.map_err(exception)
 }
 
-/// Predictions beside the releases of an experiment, by the rod that is asked about, or else by its own.
+/// Predictions beside the releases of an experiment, by the requested rod, or else by its own.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,

@@ -9,6 +9,6 @@ use pyo3::prelude::*;
 #[pyfunction]
 pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let code = py.detach(|| efam::cli::main(arguments));
-    // The standard library tells no number of an exit code, but compares two.
+    // The standard library gives no number of an exit code, but compares two.
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
 }

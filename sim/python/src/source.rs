@@ -51,7 +51,7 @@ impl Source {
     }
 }
 
-/// Text of a scenario or an experiment, and the path that its files are relative to; `name` stands for that of a text.
+/// Text of a scenario or an experiment, and the path that its files are relative to; `name` replaces that of a text.
 pub fn read(given: &Bound<'_, PyAny>, name: &str) -> PyResult<(PathBuf, String)> {
     let is_text = given.cast::<PyString>().is_ok_and(|text| {
         let text = text.to_string_lossy();

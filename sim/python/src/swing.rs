@@ -30,7 +30,7 @@ pub struct Swing {
 
 struct Inner {
     stepper: Stepper,
-    /// The scenario as it stands, with all that was set.
+    /// The present scenario, with all that was set.
     source: Source,
     /// The same as it was read, without what was set since by [`Inner::quickly`].
     scenario: Scenario,
