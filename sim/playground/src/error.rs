@@ -1,4 +1,4 @@
-//! What a page is told when its request cannot be answered.
+//! The errors that a page gets when its request cannot be answered.
 
 use efam_core::forward::ForwardError;
 use efam_core::integrate::IntegrateError;

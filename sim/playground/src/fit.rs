@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::PlaygroundError;
 use crate::setup::Setup;
 
-/// A fit that is asked for.
+/// A requested fit.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fit {
@@ -44,7 +44,7 @@ pub struct Found {
     pub start: f64,
     /// Its value, SI.
     pub value: f64,
-    /// Its standard error, as if the residuals were independent; none where the path does not tell.
+    /// Its standard error, as if the residuals were independent; none where the path does not determine it.
     pub standard_error: Option<f64>,
     /// Whether it hit the end of its range.
     pub at_bound: bool,
@@ -78,7 +78,7 @@ const GROWTH: f64 = 3.0;
 const MOST_EVALUATIONS: usize = 40;
 /// Decrease of the cost that is worth another step, as a share of it.
 const WORTH: f64 = 1e-7;
-/// Samples that are fitted at most: more tell little more about smooth curves.
+/// Samples that are fitted at most: more add little about smooth curves.
 const MOST_SAMPLES: usize = 2000;
 
 /// How a parameter is varied: by its logarithm where it is positive by nature, so that steps are shares.

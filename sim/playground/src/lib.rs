@@ -36,7 +36,7 @@ use error::PlaygroundError;
 use live::Live;
 use setup::Setup;
 
-/// What a page may ask for.
+/// The requests of a page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Request {

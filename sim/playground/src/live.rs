@@ -12,7 +12,7 @@ use crate::setup::Setup;
 
 /// How fast a pressure follows its slider, Pa/s: 50 psi in a second, as a regulator and its hose may do.
 const FILLING: f64 = 345e3;
-/// Longest step that is asked for at once, s.
+/// Longest step of one request, s.
 const MOST_STEP: f64 = 1.0;
 /// Error admitted in a step: the tip stays within 0.05 mm rms, which no screen shows.
 const TOLERANCE: f64 = 3e-5;

@@ -59,7 +59,7 @@ impl Default for Setup {
 /// Finer than the program's: a browser's sines round otherwise in the last digit. That moves the ends of steps, and with
 /// them the path within its tolerance: by up to 2e-7 m at 1e-7, and less than 1e-11 m at this.
 const TOLERANCE: f64 = 1e-8;
-/// The estimate of bending stiffness that the program takes of a table unless told otherwise.
+/// The estimate of bending stiffness that the program takes of a table by default.
 const STIFFNESS: &str = "pder_32";
 /// Keys of a rod, in the order of [`Rod`]; pressure has a place of its own.
 pub(crate) const ROD: [(&str, &str); 5] = [

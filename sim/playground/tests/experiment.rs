@@ -99,7 +99,7 @@ fn a_saved_experiment_is_calibrated_as_it_is() {
     fs::remove_dir_all(&folder).unwrap();
 }
 
-/// What the page knows stands in the file, and nothing that it does not.
+/// The file contains what the page knows, and nothing else.
 #[test]
 fn an_experiment_says_what_is_known() {
     let read = |setup: &Value, recording: &Value| {
