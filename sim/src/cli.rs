@@ -69,7 +69,7 @@ struct Efam {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write a first scenario with comments, or a muscle file, which run as they stand.
+    /// Write a first scenario with comments, or a muscle file, which run without changes.
     Init(init::Init),
     /// Simulate a scenario and save the results in a new folder.
     Simulate(simulate::Simulate),
@@ -191,7 +191,7 @@ impl Command {
 
 /// Prints help, or what is wrong with the command line.
 fn answer(error: clap::Error, arguments: &[OsString]) -> ExitCode {
-    // What was typed stands in the message as it is. Where that would act on a terminal, it is typed visibly.
+    // The message contains what was typed. Where that would act on a terminal, it is typed visibly.
     let typed: Vec<String> = arguments.iter().map(|own| own.to_string_lossy().into_owned()).collect();
     let is_visible = !typed.iter().any(|own| own.contains(is_hidden));
     let visibly = || {
@@ -223,7 +223,7 @@ fn is_colored(choice: ColorChoice) -> bool {
 mod tests {
     use super::*;
 
-    /// Words of a command line as a shell splits it; quotes hold words together, and may stand within one.
+    /// Words of a command line as a shell splits it; quotes hold words together, and may be within one.
     fn words(line: &str) -> Vec<String> {
         let (mut words, mut word, mut quote) = (Vec::new(), String::new(), None);
         for letter in line.chars() {
@@ -250,7 +250,7 @@ mod tests {
     }
 
     fn parses(line: &str) {
-        // What stands behind a pipe or a comment is the shell's.
+        // What follows a pipe or a comment is the shell's.
         let own = line.split(['|', '>', '#']).next().expect("a split has one");
         match Efam::try_parse_from(words(own)) {
             // Help is an answer, too.

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 
 /// Simulates a case until its end, until it is cancelled, or to where it fails; what was integrated is kept.
 ///
-/// With `estimates`, the run is repeated on a coarser mesh and with longer steps. They tell its errors, and choose mesh
+/// With `estimates`, the run is repeated on a coarser mesh and with longer steps. These runs give its errors, and choose mesh
 /// and tolerance.
 /// # Errors
 /// [`Failure`] where nothing could be integrated.
@@ -65,7 +65,7 @@ pub fn kept(case: &Case, run: Result<Trajectory, ForwardError>) -> Result<Trajec
     }
 }
 
-/// The warnings that only a finished run can tell: its errors, and where its model does not hold. Those of its case
+/// The warnings that only a finished run can give: its errors, and where its model does not hold. Those of its case
 /// come before them.
 pub fn warnings(case: &Case, done: &Settled) -> Vec<String> {
     let case = case.run_as(&done.model, &done.run);

@@ -1,4 +1,4 @@
-//! What several commands are told in the same way.
+//! Arguments that several commands share.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use models::quantity::Quantity;
 
 use super::failure::Failure;
 
-/// The command line as results record it. Bytes that are not UTF-8 stand as `\xE9`.
+/// The command line as results record it. Bytes that are not UTF-8 become `\xE9`.
 pub fn argv() -> Vec<String> {
     std::env::args_os().map(recorded).collect()
 }
@@ -25,7 +25,7 @@ fn recorded(argument: OsString) -> String {
     text
 }
 
-/// How a command speaks: the same for all.
+/// The verbosity of a command: the same for all.
 #[derive(Args)]
 pub struct Verbosity {
     /// Print neither progress nor tables; files, JSON, warnings and errors remain.
@@ -169,7 +169,7 @@ pub fn quantity(option: &str, value: Option<&String>, unit: &str) -> Result<Opti
     parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
 }
 
-/// The release, over what a scenario says; the payload's mass stands with each command, because some take several.
+/// The release, over what a scenario says; each command has the payload's mass, because some take several.
 #[derive(Args)]
 pub struct ReleaseArguments {
     /// Centre of mass of the payload beyond the active length [default: the scenario's, or at its end].

@@ -6,7 +6,7 @@ use efam_report::page::REPORT;
 
 use super::console::Console;
 
-/// Shows the page of a folder if that is asked for. Results are there without a browser, so that its lack is a warning.
+/// Shows the page of a folder on request. Results exist without a browser, so its lack is a warning.
 pub fn show(is_asked: bool, folder: &Path, console: &Console) {
     let page = folder.join(REPORT);
     if !is_asked {

@@ -58,7 +58,7 @@ pub struct Printed<'a> {
 
 pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    // What stands in the way is said before a long search.
+    // Obstacles are reported before a long search.
     let (experiment, folder) = open(&args.of, console)?;
     let input_hashes = input_hashes(&experiment);
     let stages = console.stages();

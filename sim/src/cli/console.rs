@@ -12,7 +12,7 @@ use super::terminal::{is_watched, print_json, say};
 use super::threads;
 use crate::failure::Failure;
 
-/// How a command speaks.
+/// The verbosity of a command.
 pub struct Console {
     /// No progress, no tables.
     pub quiet: bool,

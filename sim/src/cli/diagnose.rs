@@ -139,7 +139,7 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         return planned(args, console);
     }
     let begin = Instant::now();
-    // What stands in the way is said before a long search, and before a folder is made.
+    // Obstacles are reported before a long search, and before a folder is made.
     let experiment = load(&args.of)?;
     known_effects(&args.without, &experiment.catalogue())
         .map_err(|wrong| Failure::Usage(format!("--without: {wrong}")))?;

@@ -223,7 +223,7 @@ pub fn check(args: &Check, console: &Console) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// By which command an experiment was read, and what it stands on.
+/// The command that read an experiment, and its inputs.
 pub fn request(experiment: &Experiment, begin: Instant) -> Request {
     Request {
         name: experiment.name.clone(),
@@ -235,7 +235,7 @@ pub fn request(experiment: &Experiment, begin: Instant) -> Request {
     }
 }
 
-/// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.
+/// Reads the experiment and opens the folder before the work, so that obstacles are reported first.
 /// From here on Ctrl-C is listened to.
 pub fn open(args: &OfExperiment, console: &Console) -> Result<(Experiment, Folder), Failure> {
     let experiment = load(args)?;

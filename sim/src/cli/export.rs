@@ -87,7 +87,7 @@ struct Row<'a> {
     name: &'a str,
     /// Rows.
     rows: usize,
-    /// Columns; those that one number tells apart count as one.
+    /// Columns; those that differ in one number only count as one.
     columns: usize,
 }
 

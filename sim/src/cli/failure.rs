@@ -39,7 +39,7 @@ where
     })
 }
 
-/// Prints the message, with an excerpt of the scenario on a terminal or where colours are asked for.
+/// Prints the message, with an excerpt of the scenario on a terminal or where colours are requested.
 pub fn report(failure: &Failure, is_colored: bool) -> ExitCode {
     let text = match failure {
         Failure::Unread => String::new(),

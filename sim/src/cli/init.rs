@@ -25,7 +25,7 @@ Exit codes: 2 if the file exists already.";
 
 /// The scenario.
 const SCENARIO: &str = include_str!("init/scenario.toml");
-/// What stands above the tables of a muscle.
+/// The text above the tables of a muscle.
 const HEAD: &str = "# A muscle, to be changed: the numbers below are those of a published one. Try it with
 #   efam simulate scenario.toml --muscle muscle.toml --open
 # Replace name, source, the geometry at rest, and the rows of the table by your own; further rows of pressure
@@ -64,7 +64,7 @@ pub fn run(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
 /// The first built-in muscle under another name.
 fn muscle() -> String {
     let (name, text) = BUILT_IN[0];
-    // Its own head speaks of the paper; the tables begin at its name.
+    // Its own head describes the paper; the tables begin at its name.
     let tables = text.find("name = ").map_or(text, |begin| &text[begin..]);
     let named = |name: &str| format!("name = \"{name}\"");
     HEAD.to_owned() + &tables.replacen(&named(name), &named("my-muscle"), 1)

@@ -102,7 +102,7 @@ pub fn during_search<K, T: Send>(
     })
 }
 
-/// The same with its own last words, for what keeps what it has done on its way.
+/// The same with its own message at the end, for work that keeps its partial results.
 pub fn during_or<K, T: Send>(
     kept: K,
     stages: &Stages,

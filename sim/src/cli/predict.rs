@@ -186,7 +186,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         argv: argv(),
         ..Request::default()
     };
-    // What stands in the way is said before the simulations.
+    // Obstacles are reported before the simulations.
     signals::listen();
     let folder = efam_report::begin(&request)?;
     console.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
@@ -236,7 +236,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Shows the rods if that is asked, and gives the folder its name, unless it is interrupted.
+/// Shows the rods if that is requested, and gives the folder its name, unless it is interrupted.
 fn finish(
     args: &Predict,
     console: &Console,
@@ -278,7 +278,7 @@ fn tell(
     Ok(())
 }
 
-/// What is asked, in words: `40psi with 80g`.
+/// The request, in words: `40psi with 80g`.
 fn title(args: &Predict, case: &str) -> String {
     let payload = args.payload.as_ref().map_or(String::new(), |payload| format!(" with {payload}"));
     match (args.rod(), &args.pressure) {
@@ -288,7 +288,7 @@ fn title(args: &Predict, case: &str) -> String {
     }
 }
 
-/// The rod that is asked about, and the hash of its file.
+/// The requested rod, and the hash of its file.
 fn case_request(args: &Predict, rod: RodFile) -> Result<(CaseRequest, BTreeMap<String, String>), Failure> {
     let mut hashes = BTreeMap::new();
     let mut read = |file: &Path, what: &str| {

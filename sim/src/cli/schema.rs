@@ -1,4 +1,4 @@
-//! `efam schema`: what stands in the JSON that a command prints.
+//! `efam schema`: the content of the JSON that a command prints.
 
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
 //! Signals that end a command in order: Ctrl-C, and those by which systems and schedulers end a job.
 //!
-//! The first one asks for an end at the next opportunity. A second Ctrl-C ends the program at once. Of the others a
-//! second one changes nothing: a closed terminal is told by the kernel and by the shell, and schedulers repeat
+//! The first one requests an end at the next opportunity. A second Ctrl-C ends the program at once. Of the others a
+//! second one changes nothing: kernel and shell both report a closed terminal, and schedulers repeat
 //! themselves, while results are still being saved.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -73,7 +73,7 @@ pub fn is_requested() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// Ends simulations when an end is asked for, within a step.
+/// Ends simulations when an end is requested, within a step.
 pub fn cancel() -> Cancel {
     Cancel::by(ASKED.clone())
 }

@@ -111,7 +111,7 @@ pub struct Printed<'a> {
     scenario: &'a str,
     /// Where the results are; none with `--no-files`.
     folder: Option<&'a Path>,
-    /// Each run; several where all rows of a muscle were asked for.
+    /// Each run; several where all rows of a muscle were requested.
     runs: Vec<OfRun<'a>>,
 }
 
@@ -304,7 +304,7 @@ fn simulate(
 /// What sees every sample, and may fail.
 pub type See<'a> = dyn FnMut(&mut Sample) -> Result<(), Failure> + 'a;
 
-/// Runs a case as it stands, and lets a viewer see it; what was integrated is kept.
+/// Runs a case without changes, and lets a viewer see it; what was integrated is kept.
 pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
     let mut failure = None;
     let mut observe = |sample: &mut Sample| {
@@ -328,7 +328,7 @@ fn counted(progress: &ProgressBar) -> ControlFlow<()> {
     if signals::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
-/// Whether memory holds all trajectories, and the table of each that is written; asked before hours are spent.
+/// Whether memory holds all trajectories, and the table of each that is written; checked before hours are spent.
 pub fn admit(cases: &[Case]) -> Result<(), Failure> {
     let of = |case: &Case| {
         let numbers = 2 * case.model.dof() + case.model.memory() + OF_A_SAMPLE;

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 
 /// The variable that says how many; the name is rayon's, and what job scripts set.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
-/// The most that may be asked for. No machine that runs one program has more hardware threads today, and beyond
+/// The most that may be requested. No machine that runs one program has more hardware threads today, and beyond
 /// those threads only wait for one another.
 const MOST: usize = 1024;
 
@@ -24,10 +24,10 @@ pub fn is_alone() -> bool {
     ALONE.load(Ordering::Relaxed)
 }
 
-/// Starts the threads, and warns of fewer than were asked for; with none the main thread does all.
+/// Starts the threads, and warns of fewer than were requested; with none the main thread does all.
 ///
 /// A process may be refused threads by a limit on processes (`ulimit -u`, a container's `pids.max`). Rayon's own pool
-/// panics then, and cannot be asked a second time, so it is handed threads that are there already.
+/// panics then, and cannot be built a second time, so it is handed threads that are there already.
 /// # Errors
 /// [`Failure::Usage`] for a wrong variable.
 pub fn begin() -> Result<Option<String>, Failure> {
@@ -75,7 +75,7 @@ pub fn begin() -> Result<Option<String>, Failure> {
     }))
 }
 
-/// How many threads are asked for.
+/// How many threads are requested.
 fn wanted() -> Result<usize, Failure> {
     let Some(text) = std::env::var_os(VARIABLE).filter(|text| !text.is_empty()) else {
         return Ok(thread::available_parallelism().map_or(1, NonZero::get).min(MOST));

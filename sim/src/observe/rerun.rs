@@ -66,7 +66,7 @@ pub struct Scene {
     pub payload_com_m: f64,
     /// Names of the effects whose forces are drawn.
     pub effects: Vec<&'static str>,
-    /// What else the viewer should tell about the run, as name and value.
+    /// What else the viewer should show of the run, as name and value.
     pub properties: Vec<(String, String)>,
 }
 
@@ -122,7 +122,7 @@ pub enum RerunError {
     /// Nobody answers at the viewer's address.
     #[error("{url}: no viewer answers ({source}); start one there with `rerun`, or use `--rerun save`")]
     NoAnswer {
-        /// Where we asked.
+        /// The address that was requested.
         url: String,
         /// What the system said.
         source: io::Error,
@@ -179,7 +179,7 @@ impl Stream {
 
     /// Shows the rod at one instant; call with increasing time.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn log(&mut self, snapshot: &Snapshot) -> Result<(), RerunError> {
         self.show("a snapshot", |drawing, recording| drawing.log(recording, snapshot))
     }
@@ -193,23 +193,23 @@ impl SearchStream {
         Self::begin(sink, recording_id, |recording, live| Search::begin(recording, name, live))
     }
 
-    /// Tells what is being done.
+    /// Shows what is being done.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn doing(&mut self, what: &str) -> Result<(), RerunError> {
         self.show("a message", |search, recording| search.doing(recording, what))
     }
 
     /// Shows the candidates of a round.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn ranked(&mut self, number: usize, round: &Round) -> Result<(), RerunError> {
         self.show("a ranking", |search, recording| search.ranked(recording, number, round))
     }
 
     /// Shows the answer, and every release before and after.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn found(&mut self, outcome: &DiagnosisOutcome) -> Result<(), RerunError> {
         self.show("the answer", |search, recording| search.found(recording, outcome))
     }
@@ -223,23 +223,23 @@ impl FitStream {
         Self::begin(sink, recording_id, |recording, live| Fit::begin(recording, name, live))
     }
 
-    /// Tells what is being done.
+    /// Shows what is being done.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn doing(&mut self, what: &str) -> Result<(), RerunError> {
         self.show("a message", |fit, recording| fit.doing(recording, what))
     }
 
     /// Shows how far a search has come.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn fitted(&mut self, progress: &Progress) -> Result<(), RerunError> {
         self.show("a stage", |fit, recording| fit.fitted(recording, progress))
     }
 
     /// Shows the answer, and every release as fitted.
     /// # Errors
-    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    /// [`RerunError::Refused`]; a viewer that left is reported at the end.
     pub fn found(
         &mut self,
         problem: &Problem,
@@ -269,7 +269,7 @@ impl<D> Stream<D> {
         recording_id: &str,
         draw: impl FnOnce(&RecordingStream, bool) -> RecordingStreamResult<D>,
     ) -> Result<Self, RerunError> {
-        // Enabled whatever the environment variable RERUN says: the user asked for a recording.
+        // Enabled whatever the environment variable RERUN says: the user requested a recording.
         let builder = RecordingStreamBuilder::new(APPLICATION).recording_id(recording_id).enabled(true);
         let (recording, destination) = sink.open(builder)?;
         // Wall time would differ between equal runs, and hide behind the time that matters.

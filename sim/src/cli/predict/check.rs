@@ -33,7 +33,7 @@ pub struct Printed<'a> {
     check: &'a Check,
 }
 
-/// Predicts the releases of an experiment by the rod that is asked about, or else by its own.
+/// Predicts the releases of an experiment by the requested rod, or else by its own.
 pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let own = of_kind(FileKind::Experiment, file, Experiment::load(file, &args.set))?;

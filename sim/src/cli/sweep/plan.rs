@@ -43,7 +43,7 @@ pub struct Freeze {
     output: Output,
 }
 
-/// What a plan is told beside its file.
+/// The options of a plan beside its file.
 #[derive(Args)]
 pub struct Planned {
     /// Override a value of the file, such as sweep.points=64; may be repeated.
@@ -95,8 +95,8 @@ pub fn run(args: &Freeze, console: &Console) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The plan of a file: a new one, or that which is in the folder already. With how long a point takes, if that is asked
-/// for and the plan is new.
+/// The plan of a file: a new one, or that which is in the folder already. With how long a point takes, if that is
+/// requested and the plan is new.
 pub fn planned(
     file: &Path,
     own: &Planned,

@@ -29,7 +29,7 @@ const POSTURES: f64 = 50.0;
 /// Share of the residuals that the axis over the phase has room for.
 const MOST: f64 = 0.995;
 
-/// A simulation that is shown: its name and colour, where its prediction stands in a sample, the width of its rod.
+/// A simulation that is shown: its name and colour, the place of its prediction in a sample, the width of its rod.
 pub(super) struct Shown {
     pub name: &'static str,
     /// The viewer draws curves in the order of their paths.
@@ -148,7 +148,7 @@ struct Own<'a> {
     shown: &'a [&'a Shown],
 }
 
-/// Where something of a release stands.
+/// The path of something of a release.
 fn path(name: &str, parts: &[&str]) -> String {
     tree::path(&[&["releases", name], parts].concat())
 }

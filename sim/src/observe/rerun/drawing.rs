@@ -28,7 +28,7 @@ pub struct Drawing {
     /// Where the tip was, and when.
     trail: VecDeque<(f64, [f32; 2])>,
     next_geometry: f64,
-    /// Force that the longest arrow stands for, N.
+    /// Force that the longest arrow represents, N.
     longest_force: f64,
     knows_mesh: bool,
 }
@@ -207,7 +207,7 @@ fn log_scalars(
 /// Closes the chunks: one with both static and changing data would be split in random order, and
 /// equal runs should give equal files.
 fn end_static(recording: &RecordingStream) {
-    let _ = recording.flush_async(); // what cannot be delivered is told at the end
+    let _ = recording.flush_async(); // what cannot be delivered is reported at the end
 }
 
 /// Force of an effect on each node, N; none if the snapshot does not have it.

@@ -1,4 +1,4 @@
-//! Where things stand in the recording: its timeline, and the paths of what is drawn and plotted.
+//! Places in the recording: its timeline, and the paths of what is drawn and plotted.
 
 pub(super) const TIMELINE: &str = "sim_time";
 pub(super) const TIP_HEIGHT: &str = "plots/tip_height_mm";

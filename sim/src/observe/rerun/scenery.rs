@@ -11,7 +11,7 @@ use super::entities::{
     BODY, ENERGY, FORCE, FORCES, GRID_LABELS, MOMENT_AT_ROOT, NODES, PAYLOAD, ROD, TIP, TIP_HEIGHT, TRAIL,
 };
 
-/// Colours of Okabe and Ito that can be told apart with any eyes, on dark and light ground.
+/// Colours of Okabe and Ito that can be distinguished with any eyes, on dark and light ground.
 const SKY: u32 = 0x56B4_E9FF;
 const ORANGE: u32 = 0xE69F_00FF;
 const GREEN: u32 = 0x009E_73FF;

@@ -1,4 +1,4 @@
-//! A diagnosis while it works: what is being done, and the candidates as they stand.
+//! A diagnosis while it works: what is being done, and the present candidates.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    /// The last round stands first, the best candidate before the others, and no word breaks a table.
+    /// The last round comes first, the best candidate before the others, and no word breaks a table.
     #[test]
     fn a_ranking_is_a_table_with_the_best_on_top() {
         let candidate = |name: &str, features: f64, all: Option<f64>| Odds {

@@ -1,4 +1,4 @@
-//! Where a recording goes: a file, a viewer, or whoever asks.
+//! Where a recording goes: a file, a viewer, or every client.
 
 use std::fs;
 use std::io;
@@ -28,7 +28,7 @@ pub enum Sink {
     Spawn,
     /// To a viewer that runs elsewhere: its address, or the usual one on this machine.
     Connect(Option<String>),
-    /// To whoever asks. Late viewers get all from the start, until the stream is dropped.
+    /// To every client. Late viewers get all from the start, until the stream is dropped.
     Serve {
         /// Address to listen on.
         bind: IpAddr,

@@ -1,4 +1,4 @@
-//! Views in containers, as the viewer wants a layout told.
+//! Views in containers, in the viewer's format of a layout.
 //!
 //! The typed views of the package know no bounds, axes or legends, so that a layout is logged
 //! piece by piece into a store of its own, as the package does inside.
@@ -107,7 +107,7 @@ impl Tree<'_> {
         self.titled(kind, None, pieces)
     }
 
-    /// A container with a name, which is that of its tab where it stands in one.
+    /// A container with a name, which is that of its tab where it is in one.
     pub fn titled(
         &mut self,
         kind: ContainerKind,
@@ -147,7 +147,7 @@ pub(super) fn under(path: &str) -> String {
     format!("+ /{path}/**")
 }
 
-/// Where something stands whose parts may have any name.
+/// The path of something whose parts may have any name.
 pub(super) fn path(parts: &[&str]) -> String {
     EntityPath::new(parts.iter().map(|part| EntityPathPart::new(*part)).collect()).to_string()
 }
