@@ -1,7 +1,7 @@
 //! Releases of rods that a hand holds bent, as real laboratories make them.
 //!
 //! Goal: the effect is named though the rod is not held straight, and is not held in the file at all.
-//! Setup: stand-ins of two recordings that others made, drawn by the program on a finer mesh than the diagnosis takes: a
+//! Setup: simulated copies of two recordings that others made, drawn by the program on a finer mesh than the diagnosis takes: a
 //! cable that hangs, is pulled aside and let go at the first sample, with friction in its sections; a strip of card that is
 //! lifted at its end and falls through the air. Noise of 0.3 mm, 30 frames a second.
 //! Expected: friction of the size that was drawn, the drag coefficient that was drawn. Before the posture followed from
@@ -119,7 +119,7 @@ const ROD: &str = "[rod]\nlength = \"400 mm\"\nmass = \"40 g\"\n";
 
 /// A swing of 1.6 Hz with a damping ratio of 0.04, recorded from five phases on; the instant of the release is in no file, and
 /// the first guess of EI is a sixth too low. A start from rest got EI of any size. The second mode has decayed, and one frequency
-/// tells the sum of both losses, not each.
+/// determines the sum of both losses, not each.
 #[test]
 fn a_recording_that_begins_in_mid_swing_is_fitted() {
     let bench = Bench::new("in-motion");

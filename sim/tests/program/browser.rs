@@ -3,7 +3,7 @@
 //! Goal: a page that renders at 1200 and 400 pixels, light and dark, with no message on the console, no request
 //! that leaves the machine, no text over other text, nothing wider than the window, and enough contrast.
 //! Setup: small runs of each command; headless Chromium behind a proxy that is not there, so that nothing leaves,
-//! with a log of what is asked for. One frame asks for something, to show that it would be noted. The pages as they
+//! with a log of requests. One frame makes a request, to show that it would be noted. The pages as they
 //! are forbid all scripts but their own, so texts are measured in copies without that policy, in frames of the widths. Where no Chromium is there the test says so and passes;
 //! `EFAM_BROWSER` names another.
 
@@ -25,9 +25,9 @@ const SWEEP: &str = "[sweep]\nscenario = \"release.toml\"\ndesign = \"grid\"\n\
     [[sweep.parameter]]\npath = \"effects.payload.mass\"\nrange = [\"0 g\", \"80 g\"]\nsteps = 3\n";
 /// Candidates of the diagnosis, so that it takes seconds.
 const ASKED: [&str; 2] = ["air_drag", "viscoelastic"];
-/// Least contrast of text, as the Web Content Accessibility Guidelines (2.2, 1.4.3) ask for it.
+/// Least contrast of text, as the Web Content Accessibility Guidelines (2.2, 1.4.3) require it.
 const LEAST_CONTRAST: f64 = 4.5;
-/// Asked for by one frame of the test itself; nobody has this name (RFC 2606).
+/// Requested by one frame of the test itself; nobody has this name (RFC 2606).
 const CANARY: &str = "http://canary.invalid/";
 const POLICY_START: &str = "<meta http-equiv=\"Content-Security-Policy\"";
 
@@ -111,13 +111,13 @@ fn framed(bench: &Bench, pages: &[&str]) -> String {
     )
 }
 
-/// By what the browser's log of the network tells whose request it is: a hash of the name of what asks.
+/// By what the browser's log of the network identifies a request's owner: a hash of the owner's name.
 /// Source: Chromium, tools/traffic_annotation, `ComputeHashValue`.
 fn asker(name: &str) -> u32 {
     name.bytes().fold(0, |hash, letter| (hash * 31 + u32::from(letter)) % 138_003_713)
 }
 
-/// Addresses that pages have asked for, not the browser on its own account.
+/// Addresses that pages have requested, not the browser on its own account.
 fn asked(log: &str) -> BTreeSet<String> {
     let askers = ["blink_resource_loader", "navigation_url_loader"].map(asker);
     let event = |line: &str| {
@@ -130,7 +130,7 @@ fn asked(log: &str) -> BTreeSet<String> {
     log.lines().filter_map(event).collect()
 }
 
-/// What each copy says of itself, one JSON object a line; and what stood on the console.
+/// What each copy says of itself, one JSON object a line; and the console's content.
 fn looked(browser: &Path, bench: &Bench, scheme: u8) -> (Vec<Value>, Vec<String>, BTreeSet<String>) {
     let profile = bench.0.join(format!("profile-{scheme}"));
     let log = bench.0.join(format!("network-{scheme}.json"));

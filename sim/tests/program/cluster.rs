@@ -2,7 +2,7 @@
 //!
 //! Goal: a script does what it should and nothing else, whatever the folder of the plan is called; a name that no script
 //! can hold is refused, and what is printed to be copied means what it says.
-//! Setup: names drawn from words and signs of shells and of Slurm; a stand-in for Slurm that reads options as it does
+//! Setup: names drawn from words and signs of shells and of Slurm; a substitute for Slurm that reads options as it does
 //! (slurm, src/sbatch/opt.c, `_get_argument`) and runs the scripts. `EFAM_FOLDERS=1000` draws as many names;
 //! `EFAM_SEED` draws others, and a new seed is printed with `EFAM_SEED=new`. `tests/slurm.sh` does the same on a real one.
 
@@ -115,7 +115,7 @@ fn run(script: &Path, home: &Path) {
 fn scripts_create_nothing_but_what_they_should() {
     let bench = crate::sweep::bench("cluster");
     bench.json(&["sweep", "plan", "sweep.toml", "--set", "sweep.points=1", "--json", "--out", "plan"]);
-    // sbatch hands nothing in: it says a number, and keeps what it was told.
+    // sbatch hands nothing in: it says a number, and keeps its arguments.
     let bin = bench.0.join("bin");
     fs::create_dir(&bin).expect("made");
     fs::write(

@@ -1,7 +1,7 @@
 //! Whole command lines at random: arguments, environment, paths, and folders that hold other things.
 //!
 //! Goal: no panic, no code of its own beyond those that the help lists, no word that acts on a terminal, no number that
-//! fills a page; and no file outside the asked place is created, changed or removed.
+//! fills a page; and no file outside the requested place is created, changed or removed.
 //! Setup: a house of folders, of which every entry is hashed before and after; commands that make sense, with words
 //! put in, left out and replaced. 120 lines; `EFAM_LINES=10000` tries as many, `EFAM_SEED` others (see `draws.rs`).
 
@@ -124,7 +124,7 @@ const WORDS: [&[u8]; 60] = [
     b"muscle.name=\x1b]0;x\x07",
 ];
 
-/// What stands in the environment.
+/// The content of the environment.
 const ENVIRONMENT: [(&str, &[&[u8]]); 9] = [
     ("RAYON_NUM_THREADS", &[b"1", b"2", b"3", b"0", b"x", b"1000000", b"\xff"]),
     ("NO_COLOR", &[b"", b"1"]),
@@ -201,7 +201,7 @@ fn drawn(draws: &mut Draws) -> Vec<OsString> {
     words
 }
 
-/// Where a command line may write: what follows `--out` or `--plan`, and what it writes to when it is not told.
+/// Where a command line may write: what follows `--out` or `--plan`, and its default place.
 fn asked(words: &[OsString], work: &Path) -> Vec<PathBuf> {
     let mut places: Vec<PathBuf> = ["outputs", "experiment.toml"].map(|name| work.join(name)).into();
     for (k, word) in words.iter().enumerate() {
@@ -247,7 +247,7 @@ fn plain(path: &Path) -> PathBuf {
     whole
 }
 
-/// Whether something may be new: it is asked for, or a folder on the way to that, or has its name and a number.
+/// Whether something may be new: it is requested, or a folder on the way to that, or has its name and a number.
 fn may_be_new(path: &Path, places: &[PathBuf]) -> bool {
     places.iter().any(|place| {
         let numbered = path.ancestors().any(|path| {
@@ -272,7 +272,7 @@ fn wrong(before: &Tree, after: &Tree, words: &[OsString], work: &Path) -> Vec<St
         if after.get(path) == Some(bytes) {
             continue;
         }
-        // A run that efam wrote, or the one file that is named, and only if that is asked; a sweep goes on in its folder.
+        // A run that efam wrote, or the one file that is named, and only if that is requested; a sweep goes on in its folder.
         let is_run = |place: &PathBuf| {
             let strangers =
                 ["thesis", "mixed", "other"].iter().any(|name| place.starts_with(work.join(name)));

@@ -1,7 +1,7 @@
 //! `efam diagnose` on experiments that say little, or nothing that makes sense.
 //!
-//! Goal: what stands in the way is said before the search, by file, key and value, and leaves nothing
-//! behind; what cannot be told from little is said beside the answer.
+//! Goal: obstacles are reported before the search, by file, key and value, and leaves nothing
+//! behind; what little data cannot determine is said beside the answer.
 //! Setup: releases of the paper's muscle at 15 psi with air drag, simulated by the program on 64 nodes; a
 //! hold of a second before them.
 

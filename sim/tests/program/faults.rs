@@ -97,7 +97,7 @@ fn a_disk_that_is_full_or_read_only_is_named_and_nothing_is_left() {
     }
 }
 
-/// Each of them either has the name or is told that it is taken; none disturbs another.
+/// Each of them either has the name or a message that it is taken; none disturbs another.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn of_two_that_want_one_name_one_gets_it() {

@@ -1,6 +1,6 @@
 //! The first commands of somebody new: a file to begin with, a run without files, the page in the browser.
 //!
-//! Goal: what `efam init` writes runs as it stands; `--no-files` leaves nothing; `--trajectory` prints
+//! Goal: what `efam init` writes runs without changes; `--no-files` leaves nothing; `--trajectory` prints
 //! every sample; `--open` starts the browser that BROWSER
 //! names with the page, and its lack changes nothing but a warning.
 

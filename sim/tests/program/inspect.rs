@@ -24,7 +24,7 @@ struct File {
 }
 
 /// A header with rows under it: what a row begins with, then `Tip` 100 to 105 mm, 20 mm, -40 mm, and `Base`
-/// at rest; `mm` is a millimetre in the file's unit, `lost` stands for a coordinate that is not there.
+/// at rest; `mm` is a millimetre in the file's unit, `lost` is the text of a coordinate that is not there.
 fn table(header: &str, begins: impl Fn(usize) -> String, delimiter: &str, mm: f64, lost: &str) -> String {
     let mut text = header.to_owned();
     for k in 0..SAMPLES {

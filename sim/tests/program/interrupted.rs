@@ -64,7 +64,7 @@ fn long(name: &str) -> Bench {
     bench
 }
 
-/// Ctrl-C; a scheduler at the time limit; a closed terminal, which the kernel and the shell tell; used-up processor
+/// Ctrl-C; a scheduler at the time limit; a closed terminal, which the kernel and the shell report; used-up processor
 /// time; a scheduler that repeats itself.
 #[test]
 fn a_simulation_is_saved_up_to_there() {

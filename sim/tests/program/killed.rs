@@ -1,6 +1,6 @@
 //! `kill -9` at random moments of every command that writes.
 //!
-//! Goal: what stands under a name is whole, whenever the program was killed; what was there is replaced at once or
+//! Goal: what a name holds is whole, whenever the program was killed; what was there is replaced at once or
 //! not at all; the next run succeeds, and tidies what the dead left.
 //! Setup: half of the kills come at any moment of the run, half while it writes; half of the runs have a name that
 //! is free, half replace a run. Two kills a command; `EFAM_KILLS=50 cargo test --workspace --no-default-features
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use crate::bench::{Bench, Noise};
 use crate::work::{WORK, Work, bench};
 
-/// Times stand in these, or their hash; of all others every byte is a function of the inputs.
+/// These contain times, or their hash; of all others every byte is a function of the inputs.
 const OF_THE_RUN: [&str; 3] = ["efam-files.json", "summary.json", "report.html"];
 
 /// Files below a path by name; of those that differ from run to run, whether they are whole.

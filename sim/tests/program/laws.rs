@@ -2,7 +2,7 @@
 //!
 //! Goal: `--law` makes an effect of a file one like any other. Setup: a release of the paper's muscle at 15 psi with a drag
 //! that is text, simulated by the program; noise of 0.05 mm; fitted on the same mesh. Expected: its coefficient within five
-//! standard errors and 5 %; the diagnosis of a model without it scores it; what is wrong with a file stands at its place.
+//! standard errors and 5 %; the diagnosis of a model without it scores it; a message gives the place of what is wrong with a file.
 
 use crate::bench::Bench;
 use crate::calibrate::{EXPERIMENT, recording, scenario, simulated};

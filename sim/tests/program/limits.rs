@@ -76,7 +76,7 @@ fn limited(bench: &Bench, processes: usize, arguments: &[&str]) -> Option<(Optio
     Some(soon(command))
 }
 
-/// Half of these runs get some of the threads that they ask for, the first none at all.
+/// Half of these runs get some of the threads that they request, the first none at all.
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
@@ -409,7 +409,7 @@ fn the_list_of_effects_is_a_table() {
     for effect in effects["effects"].as_array().expect("all") {
         let rows = effect["parameters"].as_array().expect("all").iter().chain([effect]);
         for name in rows.map(|own| own["name"].as_str().expect("a name")) {
-            // Whatever follows stands two blanks away.
+            // Whatever follows is two blanks away.
             let is_apart =
                 |line: &str| line.trim_start().strip_prefix(name).is_some_and(|rest| rest.starts_with("  "));
             assert!(stdout.lines().any(is_apart), "{name}:\n{stdout}");

@@ -147,7 +147,7 @@ fn ends(value: &Value) -> [f64; 2] {
     [number(&value[0]), number(&value[1])]
 }
 
-/// The intervals are those of `efam predict` at a pressure that was not calibrated and with a payload, and stand in the table,
+/// The intervals are those of `efam predict` at a pressure that was not calibrated and with a payload, and are in the table,
 /// on the page and in the file.
 #[test]
 fn a_calibrated_rod_has_intervals() {

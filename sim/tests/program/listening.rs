@@ -1,7 +1,7 @@
 //! Who listens: nobody.
 //!
-//! Goal: no command opens a door that was not asked for. Setup: sockets of the process and its threads, as the
-//! system lists them, asked for again and again while it works.
+//! Goal: no command opens a door that was not requested. Setup: sockets of the process and its threads, as the
+//! system lists them, listed again and again while it works.
 
 use std::collections::HashSet;
 use std::fs;

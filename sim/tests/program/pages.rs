@@ -45,7 +45,7 @@ fn a_simulation_leaves_a_page_with_its_numbers_and_what_it_takes_for_granted() {
     assert!(!page.contains("<b>") && !without_scripts(&page).contains("<script"));
     holds(&format!("{:.3} Hz", number(&run["natural_frequency_hz"])));
     holds(&format!("{:.1} mm", 1e3 * number(&run["rest"]["tip_z_m"])));
-    // What lies outside the table stands under its own heading, and not among the other warnings.
+    // What lies outside the table is under its own heading, and not among the other warnings.
     let warning = run["warnings"][0].as_str().expect("a warning");
     let (above, below) = page.split_once("<h3>Extrapolated</h3>").expect("the heading");
     assert!(below.contains(warning) && !above.contains(warning), "{warning}");
@@ -100,7 +100,7 @@ fn a_calibration_and_an_analysis_leave_pages_that_agree_with_their_files() {
         assert!(page.contains(&format!("<td>{key}</td>")), "{decision}");
     }
 
-    // Runs of any kind stand beside one another.
+    // Runs of any kind are beside one another.
     bench.json(&[
         "calibrate",
         "e.toml",

@@ -83,7 +83,7 @@ fn intervals_are_those_that_the_errors_make() {
 }
 
 /// Errors that are carried along their directions are those of draws; a case of a grid is the case alone; and what
-/// the table says stands in Parquet as well.
+/// the table says is in Parquet as well.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn a_grid_says_of_each_case_what_it_is_alone() {

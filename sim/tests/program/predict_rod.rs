@@ -1,7 +1,7 @@
 //! `efam calibrate` on a rod that is no muscle, and `efam predict` with what it writes.
 //!
-//! Goal: what a calibration of an unloaded rod foretells of it with a payload is what it then does, and what is seen of
-//! it: a marker that stood off the rod's end stands off it again.
+//! Goal: what a calibration of an unloaded rod predicts of it with a payload is what it then does, and what is seen of
+//! it: a marker that was off the rod's end is off it again.
 //! Setup: a release of a plain rod on 16 nodes with both losses, simulated by the program; a hold of a second before
 //! it, noise of 0.05 mm over it; fitted on the same mesh from an EI that is off by a sixth.
 //! Expected: the frequency that the true rod has with 40 g at its end, within four of the standard errors that are
@@ -32,7 +32,7 @@ fn experiment(stiffness: f64, recording: &str, payload: &str) -> String {
         )
 }
 
-/// A recording of the true rod with a payload; its marker stands so high over the rod's end, m.
+/// A recording of the true rod with a payload; its marker is so high over the rod's end, m.
 fn recorded(bench: &Bench, name: &str, payload: &str, above: f64) {
     let payload = format!("effects.payload.mass=\"{payload}\"");
     bench.json(&["simulate", "truth.toml", "--set", &payload, "--csv", "--json", "--out", name]);
@@ -41,7 +41,7 @@ fn recorded(bench: &Bench, name: &str, payload: &str, above: f64) {
     bench.file(&format!("{name}.csv"), &recording(&run));
 }
 
-/// 1.2 mm: more than the half that a marker is believed to stand off.
+/// 1.2 mm: more than the half that is a marker's prior offset.
 #[test]
 fn a_marker_that_stood_off_the_rods_end_stands_off_it_again() {
     let bench = Bench::new("predict-marker");

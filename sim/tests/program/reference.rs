@@ -274,7 +274,7 @@ const SECTIONS: [(&str, &str, &str); 13] = [
 const OVERRIDES: [(&str, &str); 2] =
     [("calibrate.zz=1", "`[calibrate]`"), ("calibrate.parameter=[{zz=1}]", "`[[calibrate.parameter]]`")];
 
-/// The page of keys is written by hand. What the program offers in place of a wrong key has to stand on it, in the
+/// The page of keys is written by hand. What the program offers in place of a wrong key has to be on it, in the
 /// section of that key.
 #[test]
 fn keys() {
@@ -316,7 +316,7 @@ fn known(message: &str) -> Vec<String> {
     list.split(", ").map(str::to_owned).filter(|own| !own.is_empty()).collect()
 }
 
-/// A number of the inference that is chosen and not computed: where it stands, its name, its value, and why.
+/// A number of the inference that is chosen and not computed: its place, its name, its value, and why.
 struct Chosen {
     file: String,
     name: String,

@@ -169,7 +169,7 @@ fn friction_in_modes() {
     assert!(told.get("slipping_modes").is_none());
 }
 
-/// A name of 31 letters took more than its column of 24, and stood against the number behind it.
+/// A name of 31 letters took more than its column of 24, and touched the number behind it.
 #[test]
 fn a_long_name_stands_apart_from_the_numbers() {
     let bench = Bench::new("says-long-name");

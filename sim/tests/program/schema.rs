@@ -127,7 +127,7 @@ fn what_is_printed_fits_its_schema() {
             panic!("{command} {arguments:?}: {wrong}");
         }
         tried.insert(command.to_owned());
-        // What is asked for alone is the same.
+        // What is requested alone is the same.
         assert_eq!(bench.json(&[&["schema"], &words[..]].concat()), *schema);
     };
     try_one("simulate", &at("s.toml"));

@@ -66,7 +66,7 @@ fn rows_are_the_same_whoever_runs_them() {
     let shards = ["--points-per-shard", "4", "--csv", "--json", "--out", "whole"];
     let whole = bench.json(&[&["sweep", "sweep.toml"], &shards[..]].concat());
     assert_eq!((&whole["sweep"]["points"], &whole["sweep"]["failed"]), (&20.into(), &0.into()));
-    // Task by task, the last first, on one thread, told by different schedulers.
+    // Task by task, the last first, on one thread, numbered by different schedulers.
     copied(&bench, "whole", "tasks");
     let tasks = [
         ("SLURM_ARRAY_TASK_ID", "4"),

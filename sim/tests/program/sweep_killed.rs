@@ -103,7 +103,7 @@ fn what_is_done_is_kept_without_a_word_about_shards() {
     assert_eq!(child.wait().expect("it ends").code(), Some(130), "{said}");
     let status = bench.json(&["sweep", "status", "--plan", "out", "--json"]);
     let kept = status["status"]["points_done"].as_u64().expect("a number");
-    // A tenth, less those that were on their way on each thread.
+    // A tenth, less those in progress on each thread.
     assert!((6..100).contains(&kept), "{kept} points are kept: {said}");
     bench.json(&["sweep", "run", "--plan", "out", "--json"]);
     bench.json(&["sweep", "merge", "--plan", "out", "--json"]);

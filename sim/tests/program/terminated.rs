@@ -32,7 +32,7 @@ fn begin(bench: &Bench, arguments: &[&str]) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("efam runs")
 }
 
-/// How a run ends that is told to at a random moment, and whether it was still there to be told.
+/// How a run ends on a signal at a random moment, and whether it was still there for it.
 fn terminated(bench: &Bench, arguments: &[&str], takes: Duration, draws: &mut Draws) -> (ExitStatus, bool) {
     let mut child = begin(bench, arguments);
     let share = |draws: &mut Draws| draws.below(1000) as f64 / 1000.0;

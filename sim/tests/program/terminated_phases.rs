@@ -3,7 +3,7 @@
 //! Goal: the command ends within two seconds. What has a name is whole; what is hidden was left by a command that does not listen,
 //! and the next one removes it.
 //! Setup: each command is run once, then again and again with a signal at another share of that time, so that all phases are
-//! met. `-v` says which one it was. Three signals a command; `EFAM_TERMS=50` takes 50.
+//! reached. `-v` says which one it was. Three signals a command; `EFAM_TERMS=50` takes 50.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};

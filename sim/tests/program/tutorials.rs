@@ -1,4 +1,4 @@
-//! README and the tutorials of the book, run as they stand.
+//! README and the tutorials of the book, run without changes.
 //!
 //! Goal: who types what a tutorial shows gets what it shows. Setup: a folder with the project's `scenarios/`, and the
 //! program on the PATH. A block `sh` is run with `efam` in the place of `cargo run --release --`, but for other lines of
@@ -13,7 +13,7 @@ use std::process::Command;
 
 use crate::bench::Bench;
 
-/// A fenced block: what stands behind the fence, and what is in it.
+/// A fenced block: the words after the fence, and what is in it.
 struct Block<'a> {
     language: &'a str,
     file: Option<&'a str>,
@@ -53,7 +53,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Whether a line of a page stands in what was printed, `…` for whatever is between.
+/// Whether a line of a page is in what was printed, `…` for whatever is between.
 fn is_printed(line: &str, printed: &str) -> bool {
     printed.lines().any(|own| {
         let mut rest = own;

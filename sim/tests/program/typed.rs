@@ -1,6 +1,6 @@
 //! What people type before they know the program, and what it says then.
 //!
-//! Goal: a slip that is met often is answered with what was meant, and with the next move; what can be taken is taken.
+//! Goal: a frequent slip is answered with what was meant, and with the next move; what can be taken is taken.
 //! Expected: the texts below; they are golden.
 
 use serde_json::Value;
