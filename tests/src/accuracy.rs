@@ -1,4 +1,4 @@
-//! Whether a run is as accurate as was asked: drawn scenarios against much finer runs of their own.
+//! Whether a run is as accurate as requested: drawn scenarios against much finer runs of their own.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -8,10 +8,10 @@ use efam_core::forward::{Run, Sample, forward};
 
 use crate::drawn_scenarios::drawn;
 
-/// What came of one accuracy that was asked of one scenario.
+/// The result for one accuracy requested of one scenario.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The true error over what was asked.
+    /// The true error over the requested one.
     pub ratio: f64,
     /// Whether there was a warning.
     pub warned: bool,

@@ -1,7 +1,7 @@
-//! Whether a run is as accurate as was asked: `cargo run --release -p efam-tests --bin accuracy_study -- FIRST COUNT`.
+//! Whether a run is as accurate as requested: `cargo run --release -p efam-tests --bin accuracy_study -- FIRST COUNT`.
 //!
-//! Draws scenarios, asks for three accuracies, and compares the tip with a much finer run. Prints how often the true
-//! error was within 1, 1.5 and 3 times what was asked, and each miss; with EFAM_ALL every run.
+//! Draws scenarios, requests three accuracies, and compares the tip with a much finer run. Prints how often the true
+//! error was within 1, 1.5 and 3 times the requested one, and each miss; with EFAM_ALL every run.
 
 use rayon::prelude::*;
 use tests::accuracy::{Found, found};

@@ -22,7 +22,7 @@ use tests::blind::{decoyed, files, problem, setup, tally};
 use tests::twin::drawn::Plan;
 use tests::twin::random::Random;
 
-/// Draws experiments with effects hidden in them, asks the diagnosis, and counts what it says.
+/// Draws experiments with effects hidden in them, runs the diagnosis, and counts what it says.
 ///
 /// With --write it writes them as files instead, for `efam sweep`, and with --score it counts what that said.
 #[derive(Parser)]
@@ -36,7 +36,7 @@ struct Words {
     /// Sets with nothing hidden.
     #[arg(long, default_value_t = 0)]
     nothing: u64,
-    /// Sets of each kind that the catalogue is robbed of, and of each that it never had.
+    /// Sets of each kind that is removed from the catalogue, and of each that it never had.
     #[arg(long, default_value_t = 0)]
     unknown: u64,
     /// Sets with two effects hidden.
@@ -58,7 +58,7 @@ struct Words {
     /// Three markers on the body beside the tip's.
     #[arg(long)]
     body: bool,
-    /// End with an error where a false name was given, or an effect that can be told apart was not named.
+    /// End with an error where a false name was given, or a separable effect was not named.
     #[arg(long)]
     strict: bool,
     /// Write the experiments below this folder, with a sweep.toml, and diagnose nothing.
@@ -114,7 +114,7 @@ fn foreseen(words: &Words, plan: impl Fn(&Case) -> Plan) -> (Vec<(Case, Option<L
     (cases, noise(&nominal))
 }
 
-/// Asks what is off in setups, and counts what is named.
+/// Diagnoses what is off in setups, and counts what is named.
 fn setups(words: &Words, sets: u64) {
     let folder = std::env::temp_dir().join(format!("blind-bench-{}", std::process::id()));
     let mut seeds = words.seed..;
@@ -136,7 +136,7 @@ fn setups(words: &Words, sets: u64) {
     let _ = fs::remove_dir_all(folder);
 }
 
-/// Asks the diagnosis here.
+/// Runs the diagnosis here.
 fn asked(words: &Words, begin: Instant) -> Vec<Answer> {
     let (cases, usual) = foreseen(words, |case| case.plan(words.body));
     cases.iter().filter_map(|(case, limits)| ask(case, *limits, usual, words, begin)).collect()
@@ -222,7 +222,7 @@ fn cases(words: &Words, limits: &AllLimits) -> Vec<Case> {
     for name in strangers().filter(is_asked) {
         all.extend((0..words.unknown).map(|_| Case::of(name, words.size.unwrap_or(1.0), seed())));
     }
-    // Both of a pair can be seen and told from others at what is typical.
+    // Both of a pair can be seen and separated from others at what is typical.
     let clear: Vec<&'static str> = kinds()
         .filter(is_asked)
         .filter(|name| limits.get(name).is_some_and(|own| own.distance(1.0) >= 10.0))

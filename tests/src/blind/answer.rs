@@ -9,7 +9,7 @@ use super::truth::Truth;
 use crate::twin::drawn::Drawn;
 use crate::twin::hidden::Hidden;
 
-/// Distance from which on two effects are told apart, standard deviations.
+/// Distance from which on two effects are distinguishable, standard deviations.
 pub const TOLD_APART: f64 = 5.0;
 
 /// What was said of a case, and what there was to say.
@@ -76,7 +76,7 @@ impl Answer {
         has_members || self.diagnosis.verdict == Verdict::Class
     }
 
-    /// Whether what is hidden can be told from all else.
+    /// Whether what is hidden is distinguishable from all else.
     pub fn is_separable(&self) -> bool {
         self.distance.is_some_and(|distance| distance >= TOLD_APART)
     }

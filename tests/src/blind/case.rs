@@ -1,5 +1,5 @@
-//! What a blind bench asks: an experiment with something hidden in it, or nothing, or something of which the
-//! catalogue is robbed.
+//! A case of a blind bench: an experiment with something hidden in it, or nothing, or an effect removed from
+//! the catalogue.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ const ONE_LAW: [&str; 3] = ["creep", "viscoelastic", "relaxation"];
 pub struct Case {
     /// What is hidden, with its size in what is typical.
     pub hidden: Vec<(&'static str, f64)>,
-    /// Whether the catalogue is robbed of it.
+    /// Whether it is removed from the catalogue.
     pub is_robbed: bool,
     /// Whether the start is far off and the mesh coarse.
     pub is_decoyed: bool,
@@ -62,7 +62,7 @@ impl Case {
         }
     }
 
-    /// Whether the catalogue that is asked holds everything that is hidden.
+    /// Whether the catalogue of the diagnosis holds everything that is hidden.
     pub fn is_known(&self) -> bool {
         !self.is_robbed && self.hidden.iter().all(|(name, _)| by_name(name).is_some())
     }
@@ -91,14 +91,14 @@ pub fn strangers() -> impl Iterator<Item = &'static str> {
     hidden::all(1.0).into_iter().skip(IN_CATALOGUE).map(|(name, _)| name)
 }
 
-/// From which size on, in what is typical, an effect is seen, and from which it is told from all others.
+/// From which size on, in what is typical, an effect is detectable, and from which it is separable from all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// It is seen.
     pub detectable_from: f64,
-    /// It is told from others; 5 standard deviations apart.
+    /// It is separable from others; 5 standard deviations apart.
     pub separable_from: f64,
-    /// The largest that one would believe.
+    /// The largest plausible.
     pub largest: f64,
 }
 

@@ -1,7 +1,7 @@
 //! A drawn experiment as files that pose the problem of [`super::problem`]: what `efam diagnose` makes of them.
 //!
 //! The file is written from the problem itself, number by number. What the cleaning masks is left out, and noise and instants are given, as
-//! they are to a diagnosis that is asked directly; half a second of the hold is seen besides, which a recording must
+//! they are to a diagnosis in memory; half a second of the hold is seen besides, which a recording must
 //! have.
 
 use std::fmt::Write;
@@ -77,8 +77,8 @@ pub fn experiment(name: &str, problem: &Problem, drawn: &Drawn) -> String {
     text
 }
 
-/// The file of a sweep over experiments with what is hidden in each: only effects of which the catalogue is robbed
-/// are named in it.
+/// The file of a sweep over experiments with what is hidden in each: only effects that are removed from the
+/// catalogue are named in it.
 pub fn sweep(name: &str, all: &[(String, Truth)]) -> String {
     let mut text = format!("name = \"{name}\"\n\n[sweep]\nexperiments = [\"*/experiment.toml\"]\n");
     for (file, truth) in all.iter().filter(|(_, truth)| truth.case.is_robbed) {

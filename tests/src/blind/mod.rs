@@ -1,5 +1,4 @@
-//! Drawn experiments as a diagnosis meets them, which is not told what is hidden, and what its answers are
-//! worth.
+//! Drawn experiments as a diagnosis gets them, without what is hidden, and the score of its answers.
 
 pub mod answer;
 pub mod case;

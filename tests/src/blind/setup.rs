@@ -1,5 +1,5 @@
-//! What is off in the setup, as a laboratory meets it: recordings that are read and cleaned, with instants, noise and
-//! ghosts to be found, of a clamp or a camera that does not stand as it is stated, or of a hand that gives a push.
+//! What is off in the setup of a laboratory: recordings that are read and cleaned, with instants, noise and ghosts to
+//! be found. Clamp or camera differ from what is stated, or a hand gives a push.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::twin::lab::Lab;
 use crate::twin::random::Random;
 
 /// What is off, with the bounds of its size in what is typical: angles of 2 to 5 degrees, and 1.2 to 3 rad/s, which a
-/// release at 100 Hz tells from another instant.
+/// release at 100 Hz distinguishes from another instant.
 pub const KINDS: [(&str, [f64; 2]); 3] =
     [("frame_tilt", [17.5, 43.5]), ("clamp_tilt", [17.5, 43.5]), ("initial_velocity", [4.0, 10.0])];
 
@@ -79,9 +79,9 @@ pub fn hidden(kind: usize, seed: u64) -> (&'static str, f64) {
     (name, if random.share() < 0.5 { -size } else { size })
 }
 
-/// Draws it below a folder, reads it as a laboratory's, and asks.
+/// Draws it below a folder, reads it as a laboratory's, and diagnoses it.
 /// # Errors
-/// What keeps it from being written, read or asked.
+/// What keeps it from being written, read or diagnosed.
 pub fn ask(hidden: (&'static str, f64), seed: u64, folder: &Path) -> Result<Answer, String> {
     let (name, size) = hidden;
     let words = ["drawn".to_owned(), seed.to_string(), format!("{name}={size}")];

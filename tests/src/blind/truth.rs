@@ -13,7 +13,7 @@ const NAMES: &str = "experiment,seed,hidden,robbed,decoyed,laboratory,distance,v
 /// What there is to say of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// What is asked.
+    /// The case.
     pub case: Case,
     /// Distance of what is hidden from its nearest, standard deviations, where that was foreseen.
     pub distance: Option<f64>,

@@ -1,4 +1,4 @@
-//! Recordings of any format, told from what stands in them.
+//! Recordings of any format, detected from their content.
 
 use std::path::Path;
 

@@ -52,7 +52,7 @@ fn refused(error: &ScenarioError) {
     }
 }
 
-/// An experiment, likewise; in the place of its recordings stand some short ones.
+/// An experiment, likewise; short recordings replace its own.
 pub fn experiment(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     models(Experiment::parse(Path::new("a.toml"), text, &[]));
@@ -67,7 +67,7 @@ fn models(read: Result<Experiment, efam_experiments::experiment::ExperimentError
                     is_message(&error.to_string());
                 }
             }
-            // The diagnosis asks for all that the calibration does.
+            // The diagnosis requires all that the calibration does.
             if let Err(error) = problem(&experiment, &short(&experiment)) {
                 is_message(&error.to_string());
             }

@@ -45,7 +45,7 @@ impl Band {
         Self(self.0.iter().map(|row| row.map(|x| factor * x)).collect())
     }
 
-    /// Empties a row and its column and leaves one on the diagonal: the coordinate stands still.
+    /// Empties a row and its column and leaves one on the diagonal: the coordinate is held.
     pub fn hold(&mut self, i: usize) {
         self.0[i] = [0.0; WIDTH];
         for row in i.saturating_sub(HALF)..(i + HALF + 1).min(self.0.len()) {

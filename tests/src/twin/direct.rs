@@ -16,7 +16,7 @@ pub struct Direct {
     pub lost: f64,
     /// Standard deviation of the release instant, s.
     pub instant: f64,
-    /// Standard deviation of what a tip marker stands off the tip, in x and z, m.
+    /// Standard deviation of a tip marker's offset from the tip, in x and z, m.
     pub offset: f64,
     /// How long after the release it is seen, s; no longer than the swing.
     pub horizon: f64,

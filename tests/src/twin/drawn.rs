@@ -44,7 +44,7 @@ pub struct Plan {
     pub priors: Priors,
     /// What differs from release to release, and what no law foresees.
     pub unrepeated: Unrepeated,
-    /// Effects that the fit is not told of.
+    /// Effects that the fit does not know.
     pub hidden: Vec<Hidden>,
     /// How exactly it is computed.
     pub numerics: Numerics,
@@ -67,7 +67,7 @@ pub struct Priors {
     pub instant: f64,
     /// Tilt of the recording's frame, rad, by pressure.
     pub tilt: f64,
-    /// What each marker stands off its place, x and z, m, by pressure.
+    /// Offset of each marker from its place, x and z, m, by pressure.
     pub offset: f64,
 }
 

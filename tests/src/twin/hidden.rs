@@ -92,7 +92,7 @@ pub enum Hidden {
     DampingOverPressure { /** b, s */ beta: f64, /** a, 1/s */ alpha: f64, /** p_ref, Pa */ reference: f64 },
     /// Moment `EI c₃ κ̇³`.
     StrainRateCubed { /** c₃, s³ m² */ coefficient: f64 },
-    /// The clamp stands turned, from x towards z, and the rod is held at the stated angle nevertheless.
+    /// The clamp is turned, from x towards z, and the rod is held at the stated angle nevertheless.
     ClampTilt { /** rad */ angle: f64 },
     /// What is seen is turned about the clamp, from x towards z.
     FrameTilt { /** rad */ angle: f64 },
@@ -182,7 +182,7 @@ impl Hidden {
     #[rustfmt::skip]
     pub fn strength(&self) -> f64 {
         match *self {
-            // The catalogue asks how long the recording's second is, the twin what is recorded for one.
+            // The catalogue states the length of the recording's second, the twin what is recorded for one.
             Clock { excess } => -excess / (1.0 + excess),
             AirDrag { drag_coefficient: strength }
             | TipDrag { drag_area: strength }

@@ -1,7 +1,7 @@
 //! A drawn experiment as a laboratory has it: an experiment file, and one recording for each release.
 //!
-//! What is hidden stands in the head of the file alone. Pressures, angles and what is believed of masses,
-//! holds, markers and cameras stand below it, as a laboratory knows them.
+//! What is hidden is in the head of the file alone. Pressures, angles and the priors of masses, holds,
+//! markers and cameras are below it, as a laboratory knows them.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -15,7 +15,7 @@ use super::hidden::Hidden;
 /// What is drawn, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lab {
-    /// The words that asked for it.
+    /// The words that requested it.
     command: String,
     /// Name of the experiment.
     name: String,
@@ -34,7 +34,7 @@ pub struct Lab {
 const SEEN: [f64; 2] = [8.0, 0.8];
 
 impl Lab {
-    /// What is asked by `FOLDER SEED [EFFECT=SIZE…] [static]`, if that makes sense; the folder's last part
+    /// What is requested by `FOLDER SEED [EFFECT=SIZE…] [static]`, if that makes sense; the folder's last part
     /// is the name. Three sizes between commas are one for each pressure.
     pub fn asked(words: &[String]) -> Option<Lab> {
         let [folder, seed, hidden @ ..] = words else { return None };
@@ -144,7 +144,7 @@ impl Lab {
         )
     }
 
-    /// What a laboratory believes of its setup, in the words of `[calibrate]`.
+    /// The priors of a laboratory's setup, in the words of `[calibrate]`.
     fn beliefs(&self, text: &mut String) {
         let Priors { hold_angle, offset, mass, .. } = Priors::default();
         let _ = write!(

@@ -64,7 +64,7 @@ pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
     }
 }
 
-/// One of its releases at a pressure, psi, which stands at `drift` from −1 to 1 among its like.
+/// One of its releases at a pressure, psi, which has a `drift` from −1 to 1 among its like.
 pub fn occasion(psi: f64, drift: f64) -> hidden::Occasion {
     let (_, at) = table(psi);
     hidden::Occasion { pressure: at.pressure, diameter: at.outer_diameter, drift }

@@ -27,7 +27,7 @@ const SOLVED: f64 = 5e-7;
 /// And what rounding leaves of coordinates, m.
 const ROUNDING: f64 = 1e-14;
 const MOST_ITERATIONS: usize = 40;
-/// A change that is not below this share of the last one asks for a tangent where the stage is now.
+/// A change that is not below this share of the last one requires a tangent at the present stage.
 const SLOW: f64 = 0.5;
 /// And one that is not below this share of it is gone half way.
 const TO_AND_FRO: f64 = 0.9;
@@ -130,7 +130,7 @@ impl Motion {
     }
 }
 
-/// Displacement, m, that a unit of each coordinate and memory stands for.
+/// Displacement, m, that a unit of each coordinate and memory represents.
 fn weights(specimen: &Specimen) -> [Vec<f64>; 2] {
     let length = specimen.beam.element_length();
     let coordinates = [1.0, 1.0, length, length].into_iter().cycle().take(specimen.beam.dof());
@@ -202,12 +202,12 @@ fn solve(
         }
         let mut change = specimen.imbalance(stage, &q, &v, &a);
         factors.solve(&mut change);
-        // Asked of each: the largest of some numbers does not show one that is none.
+        // Checked for each: the largest of some numbers does not show one that is none.
         if !change.iter().all(|change| change.is_finite()) {
             return None;
         }
         let largest = change.iter().map(|change| change.abs()).fold(0.0, f64::max);
-        // Newton's method may go to and fro between friction one way and the other, and never meet
+        // Newton's method may go to and fro between friction one way and the other, and never reach
         // the steep slope between: half of the way does.
         let share = if largest > TO_AND_FRO * last { 0.5 } else { 1.0 };
         q.iter_mut().zip(&change).for_each(|(q, change)| *q -= share * change);

@@ -31,7 +31,7 @@ pub struct Site {
     pub begin: usize,
     /// Factors of the coordinates in each vector.
     pub shapes: [[f64; 4]; 2],
-    /// Length that the point stands for, m, or one.
+    /// Length that the point represents, m, or one.
     pub weight: f64,
 }
 

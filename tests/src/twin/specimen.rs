@@ -18,7 +18,7 @@ pub struct Specimen {
     /// The beam, its data changed by what is hidden.
     pub beam: Beam,
     hidden: Vec<Hidden>,
-    /// Where the memory of each effect stands.
+    /// Range of each effect's memory.
     memory: Vec<Range<usize>>,
     /// Where effects act.
     sites: Vec<Site>,
@@ -150,7 +150,7 @@ impl Specimen {
         z
     }
 
-    /// Displacement of the tip that a unit of each memory stands for, m, in order of size.
+    /// Displacement of the tip that a unit of each memory represents, m, in order of size.
     pub fn weight_of_memory(&self) -> Vec<f64> {
         let (length, ei) = (self.beam.length, self.beam.bending_stiffness);
         let weights = self.hidden.iter().zip(&self.memory).flat_map(|(effect, range)| {
@@ -163,7 +163,7 @@ impl Specimen {
         weights.collect()
     }
 
-    /// Mean square of the curvature over the rod, 1/m²; zero if no effect asks for it.
+    /// Mean square of the curvature over the rod, 1/m²; zero if no effect requires it.
     fn mean_square(&self, q: &[f64]) -> f64 {
         if !self.hidden.iter().any(|effect| matches!(effect, Hidden::PressureVolume { .. })) {
             return 0.0;

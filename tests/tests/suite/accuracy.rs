@@ -1,7 +1,7 @@
-//! Goal: a run is as accurate as was asked, or a warning says that it is not.
+//! Goal: a run is as accurate as requested, or a warning says that it is not.
 //! Setup: two drawn scenarios, which an earlier rule gave up too soon, against eight times finer
 //! meshes; 200 at three: `accuracy_study`.
-//! Expected: within 1.5 times what was asked; of the 200, but for one in twenty, and never three times it without a
+//! Expected: within 1.5 times the request; of the 200, but for one in twenty, and never three times it without a
 //! warning.
 
 use rayon::prelude::*;

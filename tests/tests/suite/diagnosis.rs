@@ -1,5 +1,5 @@
 //! Goal: what is hidden in a drawn experiment is found, what is not there is not, and the repaired model
-//! meets the held-out releases.
+//! fits the held-out releases.
 //! Setup: the twin, which shares no equation, mesh or integrator with the program; three pressures by two
 //! angles, 6 s, noise of 0.3 mm, losses, ghosts, setup off within its tolerances.
 //! Expected: the hidden effect first or in the class; gaps at the noise. `blind_bench` counts how often.
@@ -16,7 +16,7 @@ fn diagnosed(hidden: &[Hidden], seed: u64, settings: &DiagnosisSettings) -> Diag
     diagnose(&problem(&drawn), settings, &|_: &str| ()).expect("it can be diagnosed")
 }
 
-/// Settings that ask some effects of the catalogue alone.
+/// Settings with some effects of the catalogue alone.
 fn only(asked: &[&str]) -> DiagnosisSettings {
     let names = CATALOGUE.iter().map(|effect| effect.about().name);
     let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
@@ -61,7 +61,7 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     assert!(repaired.trials.iter().all(|trial| trial.model.effect("viscoelastic").is_some()));
 }
 
-/// A weight of which the experiment tells the force alone: its mass is found, and no weight beside the told one.
+/// A weight of which the experiment states the force alone: its mass is found, and no second weight.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
@@ -107,7 +107,7 @@ fn asked_of_setup(hidden: (&'static str, f64), seed: u64) -> setup::Answer {
     setup::ask(hidden, seed, &folder).expect("it is read and asked")
 }
 
-/// A clamp that stands a few degrees off while the rod is held at the stated angle: the angle between both is wrong, and no effect of
+/// A clamp that is a few degrees off while the rod is held at the stated angle: the angle between both is wrong, and no effect of
 /// the material takes the blame.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
@@ -119,7 +119,7 @@ fn a_clamp_that_stands_otherwise_than_stated_is_said() {
 }
 
 /// Without the tilt the baseline misses far more than the camera's noise. Held-out releases are then weighed as those that were
-/// fitted, or a model that is right would not be believed.
+/// fitted, or a model that is right would not be accepted.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn a_camera_that_leans_is_named() {
@@ -140,7 +140,7 @@ fn a_hand_that_pushes_is_named() {
     assert!(off < 0.2, "{}", answer.diagnosis.summary);
 }
 
-/// One round, and nothing is added: what speaks is shown, and is not called nothing.
+/// One round, and nothing is added: what the recordings support is shown, and is not called nothing.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
@@ -167,7 +167,7 @@ fn with_branches(sizes: [f64; 3], plan: &Plan, seed: u64) -> Drawn {
 }
 
 /// A muscle with large branches and an EI held as its statics say: they take the phase within the first swing, and no
-/// score says anything. Of the catalogue only some are asked.
+/// score says anything. Only some of the catalogue are candidates.
 fn with_stiffness_of_statics(asked: &[&str], seed: u64) -> Diagnosis {
     let usual = Plan::of_two_angles(&[]);
     let priors = Priors { bending_stiffness: 0.0, ..usual.priors };
@@ -286,7 +286,7 @@ mod not_met {
         assert!(found.summary.contains("More than noise remains"), "{}", found.summary);
     }
 
-    /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
+    /// A clamp that is a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
     /// diagnosis fits by itself can do that, and the nearest effect was named instead.
     #[test]
     #[ignore = "not met: docs/src/validation/evidence.md, What is not right"]

@@ -1,4 +1,4 @@
-//! Goal: what the documents show can be used as it stands, and reads easily.
+//! Goal: what the documents show can be used without changes, and reads easily.
 //!
 //! Documents are README, ARCHITECTURE, the book in `docs/src` and the pages in `docs/decisions`. Expected: every block of
 //! TOML is read without an error; every file, link and test of a promise that they name is there; the book lists all of

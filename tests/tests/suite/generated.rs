@@ -1,5 +1,5 @@
-//! Laws as text, as `efam effects --rust` writes them: compiled as they would be in `models/src/effects`, whose names stand
-//! here, and `crate::formula` and `crate::written` at the root.
+//! Laws as text, as `efam effects --rust` writes them: compiled as they would be in `models/src/effects`, whose names
+//! are here, and `crate::formula` and `crate::written` at the root.
 
 pub use models::effects::*;
 

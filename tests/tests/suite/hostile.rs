@@ -1,4 +1,4 @@
-//! Goal: whatever bytes a reader meets, it neither panics nor takes memory beyond a stated bound, and what it refuses
+//! Goal: whatever bytes a reader gets, it neither panics nor takes memory beyond a stated bound, and what it refuses
 //! has a reason. Setup: the files that fuzzing kept in `tests/fuzz/corpus`: the fewest that reach all code it
 //! has reached, and those that were found to break something. Expected: [`tests::hostile`] says what must hold.
 

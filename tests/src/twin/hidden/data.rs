@@ -10,7 +10,7 @@ pub struct Occasion {
     pub pressure: f64,
     /// Outer diameter at it, m.
     pub diameter: f64,
-    /// Where the release stands in a drift between releases, −1 to 1.
+    /// Place of the release in a drift between releases, −1 to 1.
     pub drift: f64,
 }
 
@@ -41,7 +41,7 @@ impl Hidden {
         if let ClampCompliance { compliance } = *self { compliance } else { 0.0 }
     }
 
-    /// How far the clamp stands turned, rad.
+    /// How far the clamp is turned, rad.
     pub fn clamp_tilt(&self) -> f64 {
         if let ClampTilt { angle } = *self { angle } else { 0.0 }
     }

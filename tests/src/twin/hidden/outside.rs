@@ -4,7 +4,7 @@ use super::AIR;
 use super::Hidden::{self, *};
 use crate::twin::element::{Real, cross, dot};
 
-/// A point of the rod as the air meets it.
+/// Motion of a point of the rod relative to the air.
 #[derive(Clone, Copy, Debug)]
 pub struct Gust<T> {
     /// Gradient of the axis.

@@ -87,7 +87,7 @@ impl Hidden {
         }
     }
 
-    /// Change of curvature that a unit of its memory stands for, 1/m: what an error of the memory
+    /// Change of curvature that a unit of its memory represents, 1/m: what an error of the memory
     /// weighs.
     pub fn weight_of_memory(&self, bending_stiffness: f64) -> f64 {
         match *self {

@@ -14,7 +14,7 @@ pub struct Page {
 /// A fenced block.
 pub struct Block<'a> {
     pub language: &'a str,
-    /// What stands behind the language.
+    /// The word after the language.
     pub word: Option<&'a str>,
     pub text: &'a str,
 }

@@ -16,7 +16,7 @@ use models::statics::{equilibrium, modes};
 use models::system::System;
 use tests::{paper_spec, simulate};
 
-/// Curvature at the root when it is let go, 1/m; the end then stands 3 % of the length aside.
+/// Curvature at the root when it is let go, 1/m; the end is then 3 % of the length aside.
 const ROOT_CURVATURE: f64 = 0.5;
 const EDGES: usize = 24;
 

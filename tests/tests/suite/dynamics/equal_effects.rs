@@ -44,7 +44,7 @@ fn release_drift_scales_the_bending_stiffness() {
 }
 
 /// Without an end fitting `c = α μ` is mass damping, to the second order in the edge length in which
-/// midpoints of edges stand for nodes: it shrinks fourfold with half the edges' length.
+/// midpoints of edges replace nodes: it shrinks fourfold with half the edges' length.
 #[test]
 fn linear_drag_of_a_bare_rod_is_mass_damping() {
     let apart = |nodes: usize| {

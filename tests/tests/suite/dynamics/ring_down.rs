@@ -54,7 +54,7 @@ fn at_the_rate_of_mass_and_stiffness_damping() {
     assert!((natural / omega - 1.0).abs() < 0.01, "{natural} against {omega} rad/s");
 }
 
-/// Without weight all stiffness is material, and Rayleigh's formula holds as it stands.
+/// Without weight all stiffness is material, and Rayleigh's formula holds exactly.
 #[test]
 fn without_weight_modes_have_rayleighs_damping_ratio() {
     let (alpha, beta) = (0.4, 0.004);

@@ -6,7 +6,7 @@
 //! calibrated; all rows between these are predicted.
 //! Expected: of the 95 % intervals at least 90 % hold the truth where the table's rows say how uneven EI is. A muscle of
 //! another shape altogether shows that only in its own calibrated values. From one change between two pressures such a
-//! size is known with one degree of freedom: 1.96 standard deviations then hold 70 %, and 81 % with two. So 80 % are asked.
+//! size is known with one degree of freedom: 1.96 standard deviations then hold 70 %, and 81 % with two. So 80 % are required.
 
 use efam_inference::calibrate::Calibration;
 use efam_inference::predict::grid::{Cell, grid};
@@ -142,7 +142,7 @@ fn coverage(muscle: &Muscle, (of, published): (&str, &str), count: usize, asked:
 }
 
 /// The beam's column is the rod's but for 2 %; the axial test's has another shape altogether, from 0.6 to 3 times the
-/// rod's, which only the calibrated values themselves tell.
+/// rod's, which only the calibrated values themselves show.
 #[test]
 fn a_muscle_that_is_not_the_table_lies_in_what_its_own_pressures_predict() {
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");

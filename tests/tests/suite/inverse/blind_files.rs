@@ -1,7 +1,7 @@
-//! Goal: a blind bench that is written as files and swept asks what it asks directly, and says the same.
+//! Goal: a blind bench that is written as files and swept poses the problem that it poses in memory, and says the same.
 //! Setup: what `blind_bench --write` writes, of short experiments; the sweep in this process.
 //! Expected: the problem that the files make has the models, unknowns, priors, nuisances, locks and samples of the one
-//! that was drawn; answers, strengths and the tally are those of the diagnosis that is asked directly.
+//! that was drawn; answers, strengths and the tally are those of the diagnosis in memory.
 
 use std::fs;
 use std::path::{Path, PathBuf};

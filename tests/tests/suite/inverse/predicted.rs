@@ -1,4 +1,4 @@
-//! Goal: what a calibration foretells of a payload, and of a release that took no part, holds the truth in 95 % of
+//! Goal: what a calibration predicts of a payload, and of a release that took no part, holds the truth in 95 % of
 //! experiments.
 //! Setup: the independent beam, its EI, losses and masses off by what a laboratory would not notice; six releases
 //! without a payload are tracked and calibrated, the muscle file is written and read, and releases with 20, 100 and
@@ -91,7 +91,7 @@ fn calibrated(problem: &Problem) -> String {
     )
 }
 
-/// What a scenario foretells at a pressure, psi, with each payload.
+/// What a scenario predicts at a pressure, psi, with each payload.
 fn foretold(text: String, psi: f64, payloads: &[f64]) -> Vec<Cell> {
     let asked = CaseRequest::scenario(Path::new("twin.toml"), text);
     let (case, known) = asked.case(Some(psi * PSI), Some(0.0)).expect("a case");
@@ -102,7 +102,7 @@ fn foretold(text: String, psi: f64, payloads: &[f64]) -> Vec<Cell> {
     grid.expect("a grid").cells
 }
 
-/// What a calibration of a seed's releases without a payload foretells.
+/// What a calibration of a seed's releases without a payload predicts.
 fn predicted(seed: u64) -> Vec<Cell> {
     let problem = all_fitted(&Plan::of_two_angles(&[]).draw(seed));
     foretold(calibrated(&problem), PRESSURE, &PAYLOADS)
@@ -120,7 +120,7 @@ fn off(cell: &Cell, truth: [Option<f64>; 4]) -> [Option<Off>; 4] {
     })
 }
 
-/// Of draws, each with what it is asked: the share whose intervals hold the truth, by number; the figures are printed.
+/// Of draws, each with its request: the share whose intervals hold the truth, by number; the figures are printed.
 fn shares<const N: usize>(all: &[[[Option<Off>; 4]; N]], what: [&str; N]) -> [f64; 4] {
     let mut shares = [0.0; 4];
     for (k, name) in NAMES.iter().enumerate() {

@@ -28,7 +28,7 @@ fn recovers(psi: f64, cycles: usize, swing: f64) -> usize {
     landed[1..].iter().filter(|l| is_determined(l)).count()
 }
 
-/// The swing is short there, and tells EI alone.
+/// The swing is short there, and determines EI alone.
 #[test]
 fn the_muscle_at_15_psi() {
     recovers(15.0, 2, 6.0);

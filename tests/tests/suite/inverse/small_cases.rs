@@ -3,7 +3,7 @@
 //! times a second, with seeded noise and lost samples; fitted on 32 nodes. (With 48 nodes the
 //! truth would have a mesh of its own, worth 0.2 % of EI.) Twins of whole experiments are beside this; here
 //! each claim has its own small case.
-//! Expected: estimates within their stated errors; words where the data cannot tell.
+//! Expected: estimates within their stated errors; words where the data cannot determine it.
 
 use efam_core::forward::{Run, uniform};
 use efam_experiments::release::{OutOfPlane, Point, Release, Track};
@@ -200,7 +200,7 @@ fn ghosts_that_cleaning_has_missed_do_no_harm() {
     assert!(outcome.calibration.releases[0].tracks[0].held_back >= 3);
 }
 
-/// All masses and all stiffnesses in one ratio give one and the same motion: nobody can tell EI from the
+/// All masses and all stiffnesses in one ratio give one and the same motion: the data cannot separate EI from the
 /// masses, and the calibration says so, with the experiment that would.
 #[test]
 fn stiffness_against_mass_is_said_to_be_hard_to_tell() {

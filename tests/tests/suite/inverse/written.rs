@@ -161,7 +161,7 @@ fn check(seed: u64) {
     let is_undetermined =
         own.warnings.iter().any(|warning| warning.contains("cannot tell rod.bending_stiffness from zero"));
     assert!(own.failed_draws == 0 || is_undetermined, "{seed}: {:?}\n{}", own.warnings, file.text);
-    // An angle stands instead of what the file says of the start.
+    // An angle replaces what the file says of the start.
     let base = found.model.theta[found.model.index("rod.base_angle").expect("a clamp")];
     let turned = ReleaseOptions { angle: Some(base + 0.3), ..ReleaseOptions::default() };
     let [x, z] = simulated(&case(&file.text, &turned.overrides()), vec![0.0])[0][1];
@@ -181,7 +181,7 @@ fn a_hundred_rod_files_give_the_runs_that_were_fitted() {
 }
 
 /// A rod whose loss was calibrated at one frequency says the same of its frequency and damping with a payload, whichever command
-/// is asked: the run and its modes have the loss that a prediction has, within the prediction's interval. As much is lost in
+/// is used: the run and its modes have the loss that a prediction has, within the prediction's interval. As much is lost in
 /// a cycle as without the payload, which for stiffness damping alone would be less by the ratio of the frequencies.
 fn agrees(seed: u64) {
     let mut random = Random::new(seed);

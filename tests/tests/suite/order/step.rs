@@ -91,7 +91,7 @@ fn given_steps_are_halved_where_another_model_needs_it() {
     assert!(worst < 1e-3, "{worst} m");
 }
 
-/// A difference of two runs is one of two models only on the same steps: none of them is halved, though the error asks
+/// A difference of two runs is one of two models only on the same steps: none of them is halved, though the error calls
 /// for it.
 #[test]
 fn repeated_steps_are_those_of_the_other_run() {

@@ -1,5 +1,5 @@
 //! Goal: no combination of effects creates energy.
-//! Setup: up to four effects of the catalogue, with strengths between off and what one would believe, or their scale;
+//! Setup: up to four effects of the catalogue, with strengths between off and the plausible limit, or their scale;
 //! the muscle at any pressure of its table, let go at any angle, 2 s, 12 nodes.
 //! Expected: kinetic, stored and dissipated energy and what was supplied add up to 1e-3 of what moves, and what is
 //! dissipated never comes back. Laws that soften the rod can make it unstable: such a run may stop, with its time and
@@ -19,7 +19,7 @@ use tests::paper_spec;
 
 use super::cases;
 
-/// A value between off and the farthest that one would believe.
+/// A value between off and the farthest plausible one.
 fn value(parameter: &Parameter, share: f64) -> f64 {
     let Some(off) = parameter.null_value else { return parameter.default };
     let (low, high) = parameter.plausible.unwrap_or((-parameter.scale, parameter.scale));

@@ -2,7 +2,7 @@
 //! Setup: seven effects of the catalogue written as text (tests/laws/catalogue.toml); releases of the paper's muscle;
 //! an experiment of the twin whose bending stiffness ripples, which no effect of the catalogue does.
 //! Expected: the same trajectories to 1e-12 m and the same limits of detection as the compiled laws; the catalogue's tests
-//! hold; errors stand at their place; the ripple is unknown without its text and named with it.
+//! hold; errors give their place; the ripple is unknown without its text and named with it.
 
 use std::fs;
 use std::path::{Path, PathBuf};

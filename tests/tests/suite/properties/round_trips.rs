@@ -28,7 +28,7 @@ fn one(text: &str, overrides: &[String]) -> Option<Case> {
     }
 }
 
-/// A value within the range of a parameter, and of what one would believe where that is known.
+/// A value within the range of a parameter, and of what is plausible where that is known.
 fn value(parameter: &Parameter, share: f64) -> f64 {
     let (low, high) = parameter.plausible.unwrap_or((-parameter.scale, parameter.scale));
     let (low, high) = (low.max(parameter.range.0), high.min(parameter.range.1));

@@ -43,7 +43,7 @@ fn the_rod_itself_is_untouched() {
     }
 }
 
-/// Two degrees, a per cent and two millimetres, put together by hand in the order in which they stand
+/// Two degrees, a per cent and two millimetres, put together by hand in the order in which they act
 /// between rod and recording, however the model names them.
 #[test]
 fn points_are_seen_where_the_laws_say() {

@@ -1,4 +1,4 @@
-//! Goal: whatever a stranger asks for converges, or stops with its time, its node and a next move.
+//! Goal: whatever a stranger requests converges, or stops with its time, its node and a next move.
 //! Setup: stiffnesses of bending over six decades and of the axis over four about those of the muscle, 0.1 to 5 m, up
 //! to 5 kg at the tip, no losses and many times critical ones, no weight and ten times it, let go straight at any
 //! angle or folded by up to 170°; 1 s with 12 nodes, 50 000 steps at most. The same ones each time, drawn from

@@ -146,7 +146,7 @@ fn nexus_plain_and_resaved() {
         .collect();
     is_the_swing(&read(padded.as_str(), "a.csv"), Format::ViconNexus, names);
     is_the_swing(&read(padded.replace(',', ";"), "a.csv"), Format::ViconNexus, names);
-    // Names may go on beyond the axes, and other sections may stand around.
+    // Names may go on beyond the axes, and other sections may surround them.
     let longer = plain.replace("My Arm:base", "My Arm:base,,,My Arm:angle");
     let around = format!(
         "Model Outputs\n100\n,,a:b\nFrame,Sub Frame,X\n,,deg\n1,0,5\n\n{longer}\nDevices\n1000\n1,0,7\n"

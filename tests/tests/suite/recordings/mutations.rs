@@ -167,7 +167,7 @@ fn a_broken_footer_of_parquet() {
     }
 }
 
-/// Found: arrow-ipc panics at a broken schema of Arrow, which stands before the end of a Parquet file.
+/// Found: arrow-ipc panics at a broken schema of Arrow, which is before the end of a Parquet file.
 #[test]
 fn a_broken_schema_of_arrow() {
     let whole = parquet();

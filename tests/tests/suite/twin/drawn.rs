@@ -1,5 +1,5 @@
 //! Goal: a drawn experiment is what its plan says: one seed, one experiment; its noise, losses and
-//! ghosts; what a fit is told, and what is true.
+//! ghosts; what a fit knows, and what is true.
 
 use efam_experiments::release::Point;
 use tests::twin::drawn::{Drawn, Numerics, Plan, Priors};

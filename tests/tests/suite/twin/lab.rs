@@ -11,7 +11,7 @@ fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis")
 }
 
-/// What the head of an experiment file asks for.
+/// The request in the head of an experiment file.
 fn asked(text: &str) -> Lab {
     let line = text.lines().find_map(|line| line.split_once("--bin draw_experiment -- "));
     let words: Vec<String> = line.expect("a command").1.split(' ').map(str::to_owned).collect();

@@ -1,4 +1,4 @@
-//! Goal: a twin's recording has what issue 3 asks for: rate, losses in bursts, ghosts, six cycles,
+//! Goal: a twin's recording has what issue 3 requires: rate, losses in bursts, ghosts, six cycles,
 //! releases between samples; and one seed gives one recording.
 
 use efam_recordings::Recording;
