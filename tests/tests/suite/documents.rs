@@ -6,6 +6,7 @@
 //! Tutorials and README are run by `sim/tests/program/tutorials.rs`, generated pages compared by
 //! `sim/tests/program/reference.rs`.
 
+mod comments;
 mod pages;
 mod prose;
 
