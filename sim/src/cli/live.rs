@@ -69,7 +69,7 @@ pub trait Recording: Sized {
     }
 }
 
-/// What is locked by those who watch, when they are done.
+/// The value behind the mutex of the live views, when they are done.
 pub fn unlocked<L>(live: Option<Mutex<L>>) -> Option<L> {
     live.map(|live| live.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

@@ -373,7 +373,7 @@ fn nothing_is_harmed_by_any_command_line() {
     println!("{codes:?}");
 }
 
-/// The judge of the test above sees what it should.
+/// The check of the test above finds harm.
 #[test]
 fn what_is_harmed_is_noticed() {
     let work = Path::new("/house/work");

@@ -70,7 +70,7 @@ fn mask(release: &mut Release) {
     }
 }
 
-/// The same with nothing locked away.
+/// The same with nothing held out.
 pub fn all_fitted(drawn: &Drawn) -> Problem {
     let mut problem = problem(drawn);
     problem.trials_mut().for_each(|trial| trial.release.held_out = false);

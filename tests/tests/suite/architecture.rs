@@ -268,8 +268,6 @@ fn models_and_core_know_no_file_clock_thread_or_random_number() {
     }
 }
 
-/// Text reaches a terminal through one door, where what would act on it is shown instead; arguments are read as they
-/// are, for not all are text.
 /// rayon ends a collection into a `Result` by the failure that comes first in time, and leaves out the rest: answers and
 /// counts of work would depend on the threads. `inference/src/ordered.rs` says more.
 #[test]
@@ -286,6 +284,8 @@ fn parallel_parts_are_all_done_and_taken_in_order() {
     }
 }
 
+/// Text reaches a terminal through one door, which shows control characters instead of sending them. Arguments are read
+/// as they are, for not all are text.
 #[test]
 fn text_and_arguments_have_one_door() {
     let door = "sim/src/cli/terminal.rs";

@@ -200,7 +200,7 @@ fn what_misses_the_first_swings_with_every_effect_is_unknown() {
     assert!(matches!(found.verdict, Verdict::Unknown | Verdict::Incomplete), "{}", found.summary);
 }
 
-/// No effect of one size does what this does; the size at the locked pressure is its own, too, and one release more
+/// No effect of one size does what this does; the size at the held-out pressure is its own, too, and one release more
 /// is held out at a pressure that is not.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
@@ -232,7 +232,7 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
     assert_eq!(sizes.len(), 2, "{:?}", found.effects);
     assert!((sizes[0] / (0.5 * typical) - 1.0).abs() < 0.15, "{sizes:?}");
     assert!((sizes[1] / (2.0 * typical) - 1.0).abs() < 0.1, "{sizes:?}");
-    // At the locked pressure it has the size that was fitted there.
+    // At the held-out pressure it has the size that was fitted there.
     let locked = &repaired.trials[2].model;
     let own = locked.theta[locked.index("effects.viscoelastic.branch_stiffness").expect("it is there")];
     assert!((own / typical - 1.0).abs() < 0.1, "{own}");

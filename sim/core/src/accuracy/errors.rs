@@ -234,8 +234,8 @@ fn traced(model: &Model, run: &Run) -> Result<(Trajectory, Option<String>), Forw
 /// By how much longer steps admit more error, and how many times the error of the run they change it by.
 ///
 /// Twice as long steps of order `p` change it by `2^p − 1` errors: 15 for RODAS4, 3 for Verlet and TR-BDF2, 7 for
-/// ESDIRK34. Of a tolerance sixteen times as large, with which the steps of a method that judges itself by a
-/// result of third order are twice as long, the same is expected; stiff modes lose some of the order.
+/// ESDIRK34. With a tolerance sixteen times as large, steps of a method whose error estimate is of third
+/// order are twice as long, and the same is expected; stiff modes lose some of the order.
 fn longer_steps(model: &Model, run: &Run) -> (f64, f64) {
     match (&run.steps, run.method.of(model)) {
         (_, Method::Verlet) => (16.0, 3.0),

@@ -11,7 +11,7 @@ const PER_PERIOD: usize = 100_000;
 /// The same as a share of the steps that a run may take, if that is more.
 const SHARE: f64 = 0.01;
 
-/// What a run had cost when its pace was last judged, and when that was.
+/// The cost of a run when its pace was last checked, and the time of that check.
 pub(super) struct Patience {
     window: usize,
     attempts: usize,
@@ -61,7 +61,7 @@ mod tests {
 
     use super::*;
 
-    /// The window is judged as a whole: steps that span a period go on, shorter ones end the run unless the end is near.
+    /// The window is checked as a whole: steps that span a period go on, shorter ones end the run unless the end is near.
     #[test]
     fn a_run_ends_where_its_steps_do_not_span_a_period() {
         let rod = Rod::plain(0.2, 0.02, 5e-3);

@@ -1,6 +1,6 @@
 //! Several rods in the steps of a Rosenbrock method at once, each with its own size of steps.
 //!
-//! One attempt solves the stages of a step of every rod. Each rod judges its own error: where one tries again with a
+//! One attempt solves the stages of a step of every rod. Each rod estimates its own error: where one tries again with a
 //! shorter step, its neighbours are already in their next one. So no rod waits for another, and each makes the steps, with
 //! the bits, that it makes alone.
 

@@ -111,7 +111,7 @@ impl Stride {
         ((sum / nq as f64).sqrt(), worst.1)
     }
 
-    /// Whether steps are judged by their memory, too.
+    /// Whether the error of a step includes its memory.
     pub fn judges_memory(&self) -> bool {
         matches!(self.control.steps, Steps::Given(_))
     }

@@ -6,7 +6,7 @@ use std::fs;
 use super::pages::{below, name, root};
 
 /// Words that comments do not use: each has a plainer one.
-const UNUSED_IN_CODE: [(&str, &str); 30] = [
+const UNUSED_IN_CODE: [(&str, &str); 33] = [
     ("ask", "request, need"),
     ("asked", "requested, evaluated"),
     ("asking", "requesting"),
@@ -22,6 +22,9 @@ const UNUSED_IN_CODE: [(&str, &str); 30] = [
     ("hear", "receive"),
     ("heard", "detected"),
     ("hears", "receives"),
+    ("judge", "check, compare"),
+    ("judged", "checked, compared"),
+    ("judges", "checks, compares"),
     ("loud", "significant"),
     ("nought", "zero"),
     ("robbed", "removed from the catalogue"),
