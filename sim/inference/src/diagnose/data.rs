@@ -46,10 +46,17 @@ pub struct Compared {
 pub struct Comparison {
     /// Features, over their scales.
     pub features: Compared,
-    /// All samples, m, without what may be wander.
+    /// All samples, m.
     pub samples: Compared,
-    /// `JᵀJ` of the slopes J of all samples, by release.
-    pub squares: Arc<Vec<DMatrix<f64>>>,
+    /// What the slopes of all samples make, by release.
+    pub squares: Arc<Vec<Squares>>,
+}
+
+/// Of the slopes J of a release `JᵀJ`, and their parts that wander has.
+#[derive(Clone, Debug)]
+pub struct Squares {
+    pub jj: DMatrix<f64>,
+    pub slow: DMatrix<f64>,
 }
 
 impl Data {
@@ -140,12 +147,10 @@ impl Data {
                     features[(f, k)] = slope / plan.scales[f];
                 }
                 for (c, q) in moved.iter().enumerate() {
-                    let own = &mut samples.column_mut(k).data.into_slice_mut()[c * count..(c + 1) * count];
-                    own.copy_from_slice(&q[..count]);
-                    plan.wander.take_from(own);
+                    samples.view_mut((c * count, k), (count, 1)).copy_from_slice(&q[..count]);
                 }
             }
-            let square = samples.transpose() * &samples;
+            let square = Squares { jj: samples.transpose() * &samples, slow: plan.wander.parts(&samples) };
             let slopes = |matrix| Slopes { places: places.clone(), matrix };
             ((feature, slopes(features)), (difference, slopes(samples)), square)
         };
@@ -221,14 +226,13 @@ fn weights(plan: &Plan) -> Weights {
     Weights::of(plan, &covariance(plan))
 }
 
-/// Differences of features, over their scales, and of all samples, m, without what may be wander.
+/// Differences of features, over their scales, and of all samples, m.
 fn differences(plan: &Plan, simulated: &Simulated, values: &[f64]) -> (DVector<f64>, DVector<f64>) {
     let feature = DVector::from_fn(plan.features.len(), |f, _| (values[f] - plan.values[f]) / plan.scales[f]);
     let count = plan.samples.len();
-    let mut sample = DVector::from_fn(count * plan.recorded.len(), |i, _| {
+    let sample = DVector::from_fn(count * plan.recorded.len(), |i, _| {
         let (c, k) = (i / count, i % count);
         simulated.coordinates[c][k] - plan.recorded[c][k]
     });
-    sample.as_mut_slice().chunks_exact_mut(count).for_each(|own| plan.wander.take_from(own));
     (feature, sample)
 }

@@ -7,10 +7,13 @@
 //! release is the one for which the evidence is largest. With C the covariance of the unknowns and J the slopes it is
 //! `(q + tr C JᵀJ) / n`, and κ σ² at least: what the unknowns take up is no sign of a small misfit. So a model without misfit has the intervals of
 //! its noise, and another one those of what it misses.
+//!
+//! Wander adds a variance S² to each of its parts x of the residuals, which lose the share `l = S² / (v + S²)`: q has `−l x²`, the logarithm of
+//! the likelihood `ln(1 − l) / 2`, and the v of largest likelihood counts `1 − l` numbers, each with `(1 − l)² x²`.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::data::{Comparison, Data};
+use super::data::{Comparison, Data, Squares};
 use super::hypothesis::Hypothesis;
 use super::likelihood::{Expanded, Fit, laplace};
 use super::search::{EFFORT, Likelihood, search};
@@ -71,17 +74,19 @@ impl Sampled {
         let variances = Samples::variances(data, &start.at.seen);
         let (at, variances) = search(&Samples, data, hypothesis, start.at.clone(), variances, EFFORT)?;
         let (z, seen) = (&at.z, &at.seen);
-        let expansion = expanded(&normals(seen), z, &variances);
+        let normals = normals(&data.plans, seen);
+        let expansion = expanded(&normals, z, &variances);
         let covariance = expansion.hessian.clone().cholesky()?.inverse();
-        let differences = &seen.samples.differences;
-        let squares = squares(differences);
-        let cost = 0.5 * z.norm_squared() - likelihood(&data.plans, &squares, &variances);
+        let cost = 0.5 * z.norm_squared() - likelihood(&data.plans, &normals, &variances);
         let is_half = halves(&hypothesis.unknowns);
         // What a search that was cut short has not found is no evidence; at a bound the cost rises.
         let held = |u: usize, _| if expansion.is_held(u, z, &is_half) { expansion.gradient[u] } else { 0.0 };
         let gradient = DVector::from_fn(z.len(), held);
         let evidence = laplace(&Expanded { cost, gradient, ..expansion }, z, &is_half);
-        let (misfit, unrepeated) = misfit(data, hypothesis, differences, &squares);
+        let differences = &seen.samples.differences;
+        let rests: Vec<f64> =
+            normals.iter().zip(&variances).map(|(own, variance)| own.beside_wander(*variance).dd).collect();
+        let (misfit, unrepeated) = misfit(data, hypothesis, differences, &rests);
         let count: f64 = data.plans.iter().map(|plan| sampled(plan) as f64).sum();
         let of = |plan: &Plan| sampled(plan) as f64 * plan.noise.deviation.powi(2);
         let noise = (2.0 * data.plans.iter().map(of).sum::<f64>() / count).sqrt();
@@ -105,8 +110,8 @@ impl Likelihood for Samples {
     type Scale = Vec<f64>;
     const LONGEST: f64 = 1.0;
 
-    fn expanded(&self, _: &Data, seen: &Comparison, z: &DVector<f64>, variances: &Vec<f64>) -> Expanded {
-        expanded(&normals(seen), z, variances)
+    fn expanded(&self, data: &Data, seen: &Comparison, z: &DVector<f64>, variances: &Vec<f64>) -> Expanded {
+        expanded(&normals(&data.plans, seen), z, variances)
     }
 
     fn scale(
@@ -117,10 +122,9 @@ impl Likelihood for Samples {
         z: &DVector<f64>,
         near: &Vec<f64>,
     ) -> Vec<f64> {
-        let (normals, squares) = (normals(seen), squares(&seen.samples.differences));
+        let normals = normals(&data.plans, seen);
         let covariance = expanded(&normals, z, near).hessian.cholesky().map(|factors| factors.inverse());
-        let taken = |r: usize| covariance.as_ref().map_or(0.0, |covariance| normals[r].taken(covariance));
-        variances(&data.plans, &squares, taken)
+        variances(&data.plans, &normals, near, covariance.as_ref())
     }
 
     fn is_settled(&self, before: &Vec<f64>, after: &Vec<f64>) -> bool {
@@ -131,7 +135,7 @@ impl Likelihood for Samples {
 impl Samples {
     /// The variances at a point where all unknowns are known.
     pub fn variances(data: &Data, seen: &Comparison) -> Vec<f64> {
-        variances(&data.plans, &squares(&seen.samples.differences), |_| 0.0)
+        known_variances(&data.plans, &normals(&data.plans, seen))
     }
 }
 
@@ -142,31 +146,100 @@ pub struct Normal {
     pub jj: DMatrix<f64>,
     pub jd: DVector<f64>,
     pub dd: f64,
+    pub slow: Slow,
 }
 
-impl Normal {
-    /// What the unknowns take up of the squares of the release, by their covariance.
-    fn taken(&self, covariance: &DMatrix<f64>) -> f64 {
-        trace_of_product(covariance, &self.places, &self.jj)
+/// Parts of a release that wander has: of its slopes and differences, with the variances S² by wander, m².
+pub struct Slow {
+    pub slopes: DMatrix<f64>,
+    pub differences: DVector<f64>,
+    pub variances: DVector<f64>,
+}
+
+impl Slow {
+    /// Of differences of all samples whose slopes have these parts.
+    pub fn of(plan: &Plan, slopes: DMatrix<f64>, differences: &DVector<f64>) -> Self {
+        let differences = parts(plan, differences);
+        let variances = plan.wander.variances(differences.len());
+        Self { slopes, differences, variances }
+    }
+
+    /// Shares that they lose where numbers have a variance.
+    fn lost(&self, variance: f64) -> DVector<f64> {
+        self.variances.map(|own| own / (own + variance))
     }
 }
 
-fn normals(seen: &Comparison) -> Vec<Normal> {
-    let of = |r: usize| {
+/// Parts of one column of all samples that wander has.
+pub fn parts(plan: &Plan, column: &DVector<f64>) -> DVector<f64> {
+    let column = DMatrix::from_column_slice(column.len(), 1, column.as_slice());
+    plan.wander.parts(&column).column(0).into_owned()
+}
+
+impl Normal {
+    /// The same where the slow parts lose shares.
+    fn without(&self, lost: &DVector<f64>) -> Self {
+        let Slow { slopes, differences, variances } = &self.slow;
+        let mut weighed = slopes.clone();
+        weighed.column_iter_mut().for_each(|mut column| column.component_mul_assign(lost));
+        let none = Slow {
+            slopes: DMatrix::zeros(0, slopes.ncols()),
+            differences: DVector::zeros(0),
+            variances: DVector::zeros(0),
+        };
+        debug_assert_eq!(variances.len(), lost.len());
+        Self {
+            places: self.places.clone(),
+            jj: &self.jj - slopes.tr_mul(&weighed),
+            jd: &self.jd - weighed.tr_mul(differences),
+            dd: self.dd - differences.component_mul(differences).dot(lost),
+            slow: none,
+        }
+    }
+
+    /// The same beside wander, where numbers have a variance.
+    fn beside_wander(&self, variance: f64) -> Self {
+        self.without(&self.slow.lost(variance))
+    }
+
+    /// The same after a step of the unknowns, if slopes stay.
+    fn after(&self, step: &DVector<f64>) -> Self {
+        let step = chosen(step, &self.places);
+        let moved = &self.jj * &step;
+        let Slow { slopes, differences, variances } = &self.slow;
+        Self {
+            places: self.places.clone(),
+            jj: self.jj.clone(),
+            dd: (self.dd + 2.0 * step.dot(&self.jd) + step.dot(&moved)).max(0.0),
+            jd: &self.jd + moved,
+            slow: Slow {
+                slopes: slopes.clone(),
+                differences: differences + slopes * &step,
+                variances: variances.clone(),
+            },
+        }
+    }
+}
+
+fn normals(plans: &[Plan], seen: &Comparison) -> Vec<Normal> {
+    let of = |(r, plan): (usize, &Plan)| {
         let (difference, slopes) = (&seen.samples.differences[r], &seen.samples.slopes[r]);
+        let Squares { jj, slow } = &seen.squares[r];
         Normal {
             places: slopes.places.clone(),
-            jj: seen.squares[r].clone(),
+            jj: jj.clone(),
             jd: slopes.matrix.tr_mul(difference),
             dd: difference.norm_squared(),
+            slow: Slow::of(plan, slow.clone(), difference),
         }
     };
-    (0..seen.squares.len()).map(of).collect()
+    plans.iter().enumerate().map(of).collect()
 }
 
 /// Logarithm of the evidence that a fit promises by the slopes that it has.
 pub fn promised(data: &Data, fit: &Fit) -> Option<f64> {
-    let linear = linearised(&data.plans, &fit.hypothesis.unknowns, &normals(&fit.at.seen), &fit.at.z);
+    let linear =
+        linearised(&data.plans, &fit.hypothesis.unknowns, &normals(&data.plans, &fit.at.seen), &fit.at.z);
     linear.map(|(_, _, evidence)| evidence)
 }
 
@@ -177,22 +250,16 @@ pub fn linearised(
     normals: &[Normal],
     z: &DVector<f64>,
 ) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
-    let squares = |step: &DVector<f64>| -> Vec<f64> {
-        let of = |own: &Normal| {
-            let step = chosen(step, &own.places);
-            (own.dd + 2.0 * step.dot(&own.jd) + step.dot(&(&own.jj * &step))).max(0.0)
-        };
-        normals.iter().map(of).collect()
-    };
     let mut step = DVector::zeros(z.len());
     let mut covariance = None;
-    let mut variances = variances(plans, &squares(&step), |_| 0.0);
+    let mut variances = known_variances(plans, normals);
     for _ in 0..LINEAR_ROUNDS {
         let at = expanded(normals, z, &variances);
         let factors = at.hessian.cholesky()?;
         step = -factors.solve(&at.gradient);
         let own = factors.inverse();
-        let next = self::variances(plans, &squares(&step), |r| normals[r].taken(&own));
+        let there: Vec<Normal> = normals.iter().map(|own| own.after(&step)).collect();
+        let next = self::variances(plans, &there, &variances, Some(&own));
         covariance = Some(own);
         let is_settled = Samples.is_settled(&variances, &next);
         variances = next;
@@ -200,14 +267,10 @@ pub fn linearised(
             break;
         }
     }
-    let (optimum, rests) = (z + &step, squares(&step));
-    let rest = |(own, dd): (&Normal, &f64)| {
-        let (places, jj) = (own.places.clone(), own.jj.clone());
-        Normal { jd: &own.jd + &jj * chosen(&step, &places), places, jj, dd: *dd }
-    };
-    let there: Vec<Normal> = normals.iter().zip(&rests).map(rest).collect();
+    let optimum = z + &step;
+    let there: Vec<Normal> = normals.iter().map(|own| own.after(&step)).collect();
     let at = expanded(&there, &optimum, &variances);
-    let cost = 0.5 * optimum.norm_squared() - likelihood(plans, &rests, &variances);
+    let cost = 0.5 * optimum.norm_squared() - likelihood(plans, &there, &variances);
     let evidence = laplace(&Expanded { cost, ..at }, &optimum, &halves(unknowns));
     Some((optimum, covariance?, evidence))
 }
@@ -245,34 +308,52 @@ fn of_numbers(plan: &Plan, square: f64) -> f64 {
     square - (coordinates(plan) - numbers(plan) * plan.noise.slow) * plan.noise.deviation.powi(2)
 }
 
-/// The variance of the independent numbers of each release for which the evidence is largest, from the sums of its squares and what
-/// the unknowns take up of them: `tr C JᵀJ`, with their covariance C and the slopes J of the release.
+/// The variance of the independent numbers of each release for which the evidence is largest, from variances near it; what unknowns of
+/// a covariance C take up of the squares is `tr C JᵀJ` with the slopes J of the release.
 /// Source: MacKay (1992), Neural Computation 4, 415-447.
-fn variances(plans: &[Plan], squares: &[f64], taken: impl Fn(usize) -> f64) -> Vec<f64> {
-    let of = |(r, (plan, square)): (usize, (&Plan, &f64))| {
-        ((of_numbers(plan, *square) + taken(r)) / numbers(plan)).max(variance(plan, 0.0))
+fn variances(
+    plans: &[Plan],
+    normals: &[Normal],
+    near: &[f64],
+    covariance: Option<&DMatrix<f64>>,
+) -> Vec<f64> {
+    let of = |((plan, own), near): ((&Plan, &Normal), &f64)| {
+        let lost = own.slow.lost(*near);
+        let rest = own.without(&lost.map(|lost| lost * (2.0 - lost)));
+        let taken = covariance.map_or(0.0, |all| trace_of_product(all, &own.places, &rest.jj));
+        let count = (numbers(plan) - lost.sum()).max(1.0);
+        ((of_numbers(plan, rest.dd) + taken) / count).max(variance(plan, 0.0))
     };
-    plans.iter().zip(squares).enumerate().map(of).collect()
+    plans.iter().zip(normals).zip(near).map(of).collect()
+}
+
+/// The same where all unknowns are known; first as if there were no wander.
+fn known_variances(plans: &[Plan], normals: &[Normal]) -> Vec<f64> {
+    let most = vec![f64::MAX; plans.len()];
+    (0..LINEAR_ROUNDS).fold(most, |near, _| variances(plans, normals, &near, None))
 }
 
 fn expanded(normals: &[Normal], z: &DVector<f64>, variances: &[f64]) -> Expanded {
     let n = z.len();
     let (mut cost, mut gradient, mut hessian) = (0.5 * z.norm_squared(), z.clone(), DMatrix::identity(n, n));
     for (own, variance) in normals.iter().zip(variances) {
-        let weight = variance.recip();
-        cost += 0.5 * weight * own.dd;
-        add(&mut gradient, &own.places, weight, &own.jd);
-        add_square(&mut hessian, &own.places, weight, &own.jj);
+        let (weight, rest) = (variance.recip(), own.beside_wander(*variance));
+        cost += 0.5 * weight * rest.dd;
+        add(&mut gradient, &own.places, weight, &rest.jd);
+        add_square(&mut hessian, &own.places, weight, &rest.jj);
     }
     Expanded { cost, gradient, hessian }
 }
 
-/// Logarithm of the likelihood of sums of squares, up to what all models share.
-fn likelihood(plans: &[Plan], squares: &[f64], variances: &[f64]) -> f64 {
-    let of = |((plan, square), variance): ((&Plan, &f64), &f64)| {
-        -0.5 * (numbers(plan) * variance.ln() + of_numbers(plan, *square) / variance)
+/// Logarithm of the likelihood, up to what all models share.
+fn likelihood(plans: &[Plan], normals: &[Normal], variances: &[f64]) -> f64 {
+    let of = |((plan, own), variance): ((&Plan, &Normal), &f64)| {
+        let lost = own.slow.lost(*variance);
+        let wander: f64 = lost.iter().map(|lost| (1.0 - lost).ln()).sum();
+        let square = of_numbers(plan, own.without(&lost).dd);
+        0.5 * wander - 0.5 * (numbers(plan) * variance.ln() + square / variance)
     };
-    plans.iter().zip(squares).zip(variances).map(of).sum()
+    plans.iter().zip(normals).zip(variances).map(of).sum()
 }
 
 /// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
@@ -347,6 +428,13 @@ mod tests {
     use super::*;
     use crate::features::tests::swing;
 
+    /// A sum of squares, of no wander.
+    fn of_square(dd: f64) -> Normal {
+        let none = DVector::zeros(0);
+        let slow = Slow { slopes: DMatrix::zeros(0, 0), differences: none.clone(), variances: none.clone() };
+        Normal { places: Vec::new(), jj: DMatrix::zeros(0, 0), jd: none, dd, slow }
+    }
+
     /// A linear model has one optimum and one evidence, wherever it is expanded; at the optimum the gradient of the cost is zero.
     #[test]
     fn a_linear_model_is_the_same_from_each_point() {
@@ -363,6 +451,7 @@ mod tests {
                 jj: slopes.tr_mul(&slopes),
                 jd: slopes.tr_mul(&difference),
                 dd: difference.norm_squared(),
+                slow: Slow::of(plan, plan.wander.parts(&slopes), &difference),
             }
         };
         let unknown = Unknown::setup("", "", "", Scaled::Normal(0.0, 1.0));
@@ -389,7 +478,10 @@ mod tests {
         let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
         let plan = &plans[0];
         let noise = plan.noise.deviation.powi(2);
-        let of = |square: f64| likelihood(&plans, &[square], &variances(&plans, &[square], |_| 0.0));
+        let of = |square: f64| {
+            let normals = [of_square(square)];
+            likelihood(&plans, &normals, &known_variances(&plans, &normals))
+        };
         let all = noise * coordinates(plan);
         let due = 0.05 * all / (2.0 * plan.noise.slow * noise);
         assert!(((of(0.9 * all) - of(0.95 * all)) / due - 1.0).abs() < 1e-9);
@@ -405,25 +497,25 @@ mod tests {
     fn the_variance_has_the_largest_evidence() {
         let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
         let plan = &plans[0];
+        let square = 100.0 * coordinates(plan) * plan.noise.deviation.powi(2);
         let own = Normal {
             places: vec![0, 1, 2],
             jj: DMatrix::identity(3, 3) * 1e-3,
             jd: DVector::zeros(3),
-            dd: 0.0,
+            slow: Slow { slopes: DMatrix::zeros(0, 3), ..of_square(square).slow },
+            dd: square,
         };
-        let square = 100.0 * coordinates(plan) * plan.noise.deviation.powi(2);
         let z = DVector::zeros(3);
         let normals = [own];
-        let known = variances(&plans, &[square], |_| 0.0);
+        let known = known_variances(&plans, &normals);
         let next = |own: Vec<f64>, _| {
             let covariance = expanded(&normals, &z, &own).hessian.try_inverse().unwrap();
-            variances(&plans, &[square], |r| normals[r].taken(&covariance))
+            variances(&plans, &normals, &own, Some(&covariance))
         };
         let settled = (0..50).fold(known.clone(), next);
         let evidence = |factor: f64| {
             let own = [factor * settled[0]];
-            likelihood(&plans, &[square], &own)
-                - 0.5 * expanded(&normals, &z, &own).hessian.determinant().ln()
+            likelihood(&plans, &normals, &own) - 0.5 * expanded(&normals, &z, &own).hessian.determinant().ln()
         };
         assert!(settled[0] > 1.05 * known[0]);
         assert!(evidence(1.0) > evidence(1.02) && evidence(1.0) > evidence(0.98));

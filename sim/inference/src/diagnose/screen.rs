@@ -18,13 +18,14 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::data::{Compared, Comparison, Data};
+use super::data::{Compared, Comparison, Data, Squares};
 use super::extension::{Extension, Group, all_off};
 use super::hypothesis::Hypothesis;
 use super::likelihood::{evidence, expand};
-use super::samples::{Normal, Sampled, linearised};
+use super::samples::{Normal, Sampled, Slow, linearised, parts};
 use super::search::Point;
 use super::unknown::Unknown;
+use crate::features::Plan;
 
 /// Strengths that are tried, prior standard deviations: one that is usual, and a small one where slopes at zero cannot be had.
 const USUAL: f64 = 1.0;
@@ -233,7 +234,7 @@ impl Screened {
         here: Comparison,
         secants: Secants,
     ) -> [Option<f64>; 2] {
-        let tried = Try::of(base, origin, &self.extension, strength, here, secants);
+        let tried = Try::of(data, base, origin, &self.extension, strength, here, secants);
         let (tried, extension) = (Arc::new(tried), &self.extension);
         let promises = [tried.by_features(data, base, extension), tried.by_samples(data, base, extension)];
         let power = |strength: f64| strength.signum() * strength.abs().log2().round().exp2();
@@ -271,13 +272,18 @@ impl Promise {
         Comparison {
             features: here.features.clone(),
             samples: Compared { differences: here.samples.differences.clone(), slopes: slopes.into() },
-            squares: normals.iter().map(|own| own.jj.clone()).collect::<Vec<_>>().into(),
+            squares: normals
+                .iter()
+                .map(|own| Squares { jj: own.jj.clone(), slow: own.slow.slopes.clone() })
+                .collect::<Vec<_>>()
+                .into(),
         }
     }
 }
 
 impl Try {
     fn of(
+        data: &Data,
         base: &Sampled,
         origin: &Point,
         extension: &Extension,
@@ -298,7 +304,7 @@ impl Try {
             .collect();
         here.features.slopes = slopes.into();
         let secants = secants.samples;
-        let normal = |r: usize| normal(&here, r, &wider, places[r], &secants[r]);
+        let normal = |r: usize| normal(&data.plans[r], &here, r, &wider, places[r], &secants[r]);
         let normals = (0..secants.len()).map(normal).collect();
         Self { strength, places, z, here, wider, secants, normals }
     }
@@ -360,12 +366,20 @@ fn wider(base: &Sampled, extension: &Extension) -> Vec<f64> {
 }
 
 /// Normal equations of all samples of a release in the places of an extension, with the secant of its strength.
-fn normal(here: &Comparison, r: usize, wider: &[f64], place: Option<usize>, secant: &DVector<f64>) -> Normal {
+fn normal(
+    plan: &Plan,
+    here: &Comparison,
+    r: usize,
+    wider: &[f64],
+    place: Option<usize>,
+    secant: &DVector<f64>,
+) -> Normal {
     let (slopes, difference) = (&here.samples.slopes[r], &here.samples.differences[r]);
     let mut places = slopes.places.clone();
     let wider = DVector::from_iterator(places.len(), places.iter().map(|place| wider[*place]));
-    let mut jj = here.squares[r].component_mul(&(&wider * wider.transpose()));
+    let mut jj = here.squares[r].jj.component_mul(&(&wider * wider.transpose()));
     let mut jd = slopes.matrix.tr_mul(difference).component_mul(&wider);
+    let mut slow = here.squares[r].slow.clone() * DMatrix::from_diagonal(&wider);
     if let Some(place) = place {
         let n = places.len();
         let aside = slopes.matrix.tr_mul(secant).component_mul(&wider);
@@ -375,9 +389,11 @@ fn normal(here: &Comparison, r: usize, wider: &[f64], place: Option<usize>, seca
         );
         jj.view_mut((0, n), (n, 1)).copy_from(&aside);
         jj.view_mut((n, 0), (1, n)).copy_from(&aside.transpose());
+        slow = slow.resize_horizontally(n + 1, 0.0);
+        slow.column_mut(n).copy_from(&parts(plan, secant));
         places.push(place);
     }
-    Normal { places, jj, jd, dd: difference.norm_squared() }
+    Normal { places, jj, jd, dd: difference.norm_squared(), slow: Slow::of(plan, slow, difference) }
 }
 
 /// A point on the way from one to another, no unknown farther than the longest step, none of one sign below zero.

@@ -55,7 +55,7 @@ impl Traces {
         for (r, plan) in data.plans.iter().enumerate() {
             let weight = counts[r] as f64 / variance(plan, misfit);
             let slopes = &at.seen.samples.slopes[r];
-            add_square(&mut square, &slopes.places, weight, &at.seen.squares[r]);
+            add_square(&mut square, &slopes.places, weight, &at.seen.squares[r].jj);
             for (k, column) in columns.iter().enumerate() {
                 let moved = slopes.matrix.tr_mul(&column[r]);
                 slopes.places.iter().zip(&moved).for_each(|(place, own)| mixed[(*place, k)] += weight * own);

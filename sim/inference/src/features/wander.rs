@@ -1,9 +1,8 @@
 //! Slow wander of base and camera, which each release has for itself.
 //!
 //! A random walk less its mean is a sum of cosines of k half cycles over the record, whose variances fall as 1/k². Those of four
-//! cycles of the swing and longer count as wander: what is faster is seen as noise at the end of the record. With U S the left
-//! singular vectors and values of the cosines, each times its deviation, noise of variance κσ² beside it has the covariance
-//! `κσ² I + U S² Uᵀ`. Residuals times the root of κσ² over it have variance κσ² alone.
+//! cycles of the swing and longer count as wander: what is faster is seen as noise at the end of the record. U and S are the left
+//! singular vectors and values of the cosines, each times its deviation: parts `Uᵀd` of residuals d have the variances S² by wander.
 //! Source: Shorack and Wellner (1986), Empirical Processes with Applications to Statistics, chapter 5, for the expansion.
 
 use std::f64::consts::PI;
@@ -28,8 +27,6 @@ pub struct Wander {
     /// Left singular vectors, shape `[samples, cosines]`, and singular values, m.
     modes: DMatrix<f64>,
     sizes: DVector<f64>,
-    /// Share of each mode that residuals lose.
-    lost: DVector<f64>,
 }
 
 impl Wander {
@@ -43,18 +40,24 @@ impl Wander {
             deviation(k) * (PI * k as f64 * (time[i] - time[0]) / duration).cos()
         };
         let svd = DMatrix::from_fn(time.len(), cosines, cosine).svd(true, false);
-        let density = noise.slow * noise.deviation.powi(2);
-        let sizes = svd.singular_values;
-        let lost = sizes.map(|size| 1.0 - (1.0 + size * size / density).sqrt().recip());
-        Self { modes: svd.u.unwrap_or_default(), sizes, lost }
+        Self { modes: svd.u.unwrap_or_default(), sizes: svd.singular_values }
     }
 
-    /// Takes from residuals of one coordinate, or their slopes, what may be wander.
-    pub fn take_from(&self, path: &mut [f64]) {
-        for (mode, lost) in self.modes.column_iter().zip(&self.lost) {
-            let part: f64 = mode.iter().zip(path.iter()).map(|(mode, x)| mode * x).sum();
-            path.iter_mut().zip(mode.iter()).for_each(|(x, mode)| *x -= lost * part * mode);
+    /// Parts of residuals, or of their slopes: coordinate after coordinate in each column, shape `[coordinates · cosines, columns]`.
+    pub fn parts(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let (samples, cosines) = self.modes.shape();
+        let coordinates = columns.nrows().checked_div(samples).unwrap_or(0);
+        let mut parts = DMatrix::zeros(coordinates * cosines, columns.ncols());
+        for c in 0..coordinates {
+            let own = self.modes.tr_mul(&columns.rows(c * samples, samples));
+            parts.rows_mut(c * cosines, cosines).copy_from(&own);
         }
+        parts
+    }
+
+    /// Variances of as many parts, m².
+    pub fn variances(&self, parts: usize) -> DVector<f64> {
+        DVector::from_fn(parts, |k, _| self.sizes[k % self.sizes.len()].powi(2))
     }
 
     /// Adds a drawn wander to one coordinate.
@@ -72,34 +75,34 @@ mod tests {
 
     use super::*;
 
-    /// A swing loses nothing, a slow line nearly all, and drawn wander has its size; what is left of wander and noise together has
-    /// the variance of the noise.
+    /// A swing has next to no parts, a slow line has no others, and drawn wander has its size.
     #[test]
-    fn what_is_slow_is_taken_and_a_swing_is_left() {
+    fn what_is_slow_is_wander_and_a_swing_is_none() {
         let time: Vec<f64> = (0..800).map(|k| 0.01 * f64::from(k)).collect();
-        let noise = Noise { deviation: 3e-5, slow: 1.0 };
+        let noise = Noise { deviation: 3e-4, slow: 1.0 };
         let wander = Wander::of(&time, 1.4, &noise);
-        let left = |path: &dyn Fn(f64) -> f64| {
-            let mut own: Vec<f64> = time.iter().map(|t| path(*t)).collect();
-            let before: f64 = own.iter().map(|x| x * x).sum();
-            wander.take_from(&mut own);
-            (own.iter().map(|x| x * x).sum::<f64>() / before).sqrt()
+        let share = |path: &dyn Fn(f64) -> f64| {
+            let own = DMatrix::from_iterator(800, 1, time.iter().map(|t| path(*t)));
+            wander.parts(&own).norm() / own.norm()
         };
-        let swing = left(&|t| (-0.3 * t).exp() * (2.0 * PI * 1.4 * t).cos());
-        let line = left(&|t| t - 3.995);
-        assert!(swing > 0.995 && line < 0.1, "{swing} {line}");
+        let swing = share(&|t| (-0.3 * t).exp() * (2.0 * PI * 1.4 * t).cos());
+        let line = share(&|t| t - 3.995);
+        assert!(swing < 0.1 && line > 0.99, "{swing} {line}");
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
-        let (mut drawn, mut rest, draws) = (0.0, 0.0, 200);
+        let (mut drawn, draws) = (0.0, 200);
         for _ in 0..draws {
             let mut path = vec![0.0; time.len()];
             wander.add_to(&mut path, &mut random);
             drawn += path.iter().map(|x| x * x).sum::<f64>();
-            path.iter_mut().for_each(|x| *x += noise.deviation * normal(&mut random));
-            wander.take_from(&mut path);
-            rest += path.iter().map(|x| x * x).sum::<f64>();
         }
-        let mean = |sum: f64| (sum / f64::from(draws) / time.len() as f64).sqrt();
-        assert!((mean(drawn) / (WANDER * noise.deviation) - 1.0).abs() < 0.15, "{}", mean(drawn));
-        assert!((mean(rest) / noise.deviation - 1.0).abs() < 0.05, "{}", mean(rest));
+        let size = (drawn / f64::from(draws) / time.len() as f64).sqrt();
+        assert!((size / (WANDER * noise.deviation) - 1.0).abs() < 0.15, "{size}");
+        // Of two coordinates each has its own parts.
+        let both = DMatrix::from_fn(1600, 1, |k, _| if k < 800 { 0.0 } else { time[k - 800] - 3.995 });
+        let parts = wander.parts(&both);
+        let half = parts.nrows() / 2;
+        assert!(parts.rows(0, half).norm() < 1e-12 && parts.rows(half, half).norm() > 0.99 * both.norm());
+        let variances = wander.variances(parts.nrows());
+        assert_eq!(variances[0], variances[half]);
     }
 }
