@@ -233,6 +233,29 @@ fn c3d_in_all_six_encodings() {
     says(&read(silent, "a.c3d"), "unit: mm is assumed");
 }
 
+/// Word 3 of the header may count channels, its scale may be another than POINT:SCALE, and a unit may be cut off.
+#[test]
+fn c3d_whose_header_is_wrong() {
+    let mut channels = C3d { analog: 10, ..C3d::small(84, true) }.bytes(millimetres);
+    channels[4..6].copy_from_slice(&5u16.to_le_bytes());
+    channels[18..20].copy_from_slice(&2u16.to_le_bytes());
+    let recording = read(channels, "a.c3d");
+    is_the_swing(&recording, Format::C3d, ["tip", "base"]);
+    says(&recording, "shows 10 analog samples in a frame and points as floats; the header's word 3 is 5");
+
+    let mut scaled = C3d::small(84, true).bytes(millimetres);
+    scaled[12..16].copy_from_slice(&0.5f32.to_le_bytes());
+    let recording = read(scaled, "a.c3d");
+    is_the_swing(&recording, Format::C3d, ["tip", "base"]);
+    says(&recording, "the header states a scale of 0.5, POINT:SCALE one of -0.125");
+
+    let cut_off = C3d { units: "mete".to_owned(), ..C3d::small(84, true) }.bytes(millimetres);
+    let why = read_with(cut_off.clone(), ReadOptions::default()).unwrap_err().to_string();
+    assert!(why.contains("mete"), "{why}");
+    let requested = ReadOptions { unit: Some(Length::Millimetre), ..ReadOptions::default() };
+    is_the_swing(&read_with(cut_off, requested).unwrap(), Format::C3d, ["tip", "base"]);
+}
+
 #[test]
 fn c3d_of_many_points() {
     let labels: Vec<_> = (0..300).map(|k| format!("P{k}")).collect();
