@@ -9,12 +9,14 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::cleaning::distance;
 
-/// Motion of base markers in that of the most moving one, at most.
+/// Motion of base markers in that of the most moving one, at most, in the time of a swing: a camera or a table may drift.
 const STILL: f64 = 0.04;
 /// The same of markers that are named like a base.
 const STILL_BY_NAME: f64 = 0.25;
 /// Names of markers that do not move.
 const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
+/// Share of the tip's whole motion: the way that it goes within a swing at least, and that a base drifts at most.
+const HALF: f64 = 0.5;
 /// Motion of tip markers, likewise, at least.
 const TIP: f64 = 0.8;
 /// By how much the distance of two markers of one body may vary, in the motion of the tip.
@@ -48,10 +50,17 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
         k == most || (moves[k] > TIP * moves[most] && spread(path(k), path(most)) < RIGID * moves[most])
     };
     let is_tip: Vec<bool> = (0..moves.len()).map(of_tip).collect();
+    let lag = lag(path(most), HALF * moves[most]);
+    let within = |k: usize| Some(moves[most] * pace(path(k), lag?)? / pace(path(most), lag?)?);
+    let swings: Vec<f64> = (0..moves.len())
+        .map(|k| {
+            within(k).filter(|_| moves[k] < HALF * moves[most]).map_or(moves[k], |way| way.min(moves[k]))
+        })
+        .collect();
     let is_base = |k: usize| {
         let name = recording.markers[k].name.to_lowercase();
         let limit = if BASES.iter().any(|base| name.contains(base)) { STILL_BY_NAME } else { STILL };
-        !is_tip[k] && moves[k] >= 0.0 && moves[k] < limit * moves[most]
+        !is_tip[k] && moves[k] >= 0.0 && swings[k] < limit * moves[most]
     };
     let middles: Vec<[f64; 3]> = (0..moves.len()).map(|k| middle(path(k))).collect();
     let is_apart: Vec<bool> = (0..moves.len())
@@ -135,6 +144,17 @@ fn reach(path: &[Option<[f64; 3]>]) -> f64 {
     quantile(path.iter().flatten().map(|at| distance(*at, middle)).collect(), 0.98).unwrap_or(-1.0)
 }
 
+/// Samples within which a marker goes some way, 2 % of the time; nothing if it never does.
+fn lag(path: &[Option<[f64; 3]>], way: f64) -> Option<usize> {
+    (0..).map(|power| 1 << power).take_while(|lag| *lag < path.len()).find(|lag| pace(path, *lag) > Some(way))
+}
+
+/// Distance that a marker moves in some samples, 98 % of the time at most, m.
+fn pace(path: &[Option<[f64; 3]>], lag: usize) -> Option<f64> {
+    let ways = path.iter().zip(&path[lag..]).filter_map(|(from, to)| Some(distance((*from)?, (*to)?)));
+    quantile(ways.collect(), 0.98)
+}
+
 /// Median place of a marker, m.
 fn middle(path: &[Option<[f64; 3]>]) -> [f64; 3] {
     let of = |c: usize| path.iter().flatten().map(|at| at[c]).collect();
@@ -167,4 +187,31 @@ fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
     let apart: Vec<f64> = both.map(|(a, b)| distance(a, b)).collect();
     let between = quantile(apart.clone(), 0.98).zip(quantile(apart, 0.02));
     between.map_or(f64::INFINITY, |(high, low)| high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use efam_recordings::{ReadOptions, parse};
+
+    use super::*;
+
+    /// Markers that only drift, by a fifth of what the tip moves, are a base; one that swings by less than that is on the rod.
+    #[test]
+    fn a_base_that_drifts_is_a_base() {
+        let names =
+            ["a", "b", "m", "tip"].map(|name| ["x", "y", "z"].map(|axis| format!(",{name}_{axis}_mm")));
+        let mut text = format!("t_s{}\n", names.concat().concat());
+        for time in (0..700).map(|k| 0.01 * f64::from(k)) {
+            let (drift, since) = (3.0 * time, (time - 1.0).max(0.0));
+            let z = 70.0 * ((-0.4 * since).exp() * (10.0 * since).cos() - 1.0);
+            text += &format!("{time:.2},0,{drift},0,10,{drift},0,100,{drift},{},300,{drift},{z}\n", 0.15 * z);
+        }
+        let recording =
+            parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()).expect("a table");
+        let guess = guess(&recording).expect("markers");
+        assert_eq!((guess.base, guess.tip), (vec!["a".to_owned(), "b".to_owned()], vec!["tip".to_owned()]));
+        assert_eq!(guess.body.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["m"]);
+    }
 }
