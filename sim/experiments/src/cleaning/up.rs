@@ -104,17 +104,35 @@ impl Known<'_> {
         let fall: Vector3<f64> = falls.map(Vector3::from).sum();
         let (down, off) = Direction::nearest(fall.try_normalize(0.0)?.into());
         let up = opposite(down);
+        if self.rests_below(down) {
+            let whose = self.whose();
+            let why =
+                format!("the tip begins below its rest, which is as far below {whose} as a level rod sags");
+            return Some(Candidate { up: down, off, why });
+        }
         let why = format!("the tip first falls {:.1} deg from {}", off / DEGREE, down.text());
         Some(Candidate { up, off, why })
+    }
+
+    /// Whether the tip of a recording that begins at a turn rests below the clamp as a level rod does, if the way that it first
+    /// moves is up: it then begins at its lowest point.
+    fn rests_below(&self, up: Direction) -> bool {
+        let below = -self.rest().dot(&Vector3::from(up.unit()));
+        self.cuts.iter().all(|cut| cut.hold.len() < 2)
+            && self.square().is_some_and(|square| (LEVEL..=*SAG.end()).contains(&(square * below / GRAVITY)))
     }
 
     /// By where the tip rests.
     fn hanging(&self) -> Option<Candidate> {
         let (down, off) = Direction::nearest(self.rest().try_normalize(0.0)?.into());
-        let whose = if self.has_base { "the base" } else { "the origin" };
         let up = opposite(down);
-        let why = format!("the tip rests {:.1} deg from {} of {whose}", off / DEGREE, down.text());
+        let why = format!("the tip rests {:.1} deg from {} of {}", off / DEGREE, down.text(), self.whose());
         Some(Candidate { up, off, why })
+    }
+
+    /// From which place its rest is seen.
+    fn whose(&self) -> &'static str {
+        if self.has_base { "the base" } else { "the origin" }
     }
 
     /// Where the tip rests, from the clamp, m.
@@ -179,7 +197,7 @@ impl Known<'_> {
             "{both}; at its pace a level rod rests {:.1} deg or more below the level, {which}",
             sag / DEGREE
         );
-        let is_sure = sag > CLEAR_SAG && (hangs || self.is_by_gravity(fall.up));
+        let is_sure = sag > CLEAR_SAG && (hangs || above < 0.0 && self.is_by_gravity(fall.up));
         Some((up, is_sure, why))
     }
 
@@ -280,5 +298,24 @@ mod tests {
         assert_eq!(up(hangs, 10.0, 4.0, ["x", "y", "z"]), "+x surely");
         // A stiff one does not show gravity in its pace.
         assert!(up("", 10.0, 4.0, ["x", "y", "z"]).ends_with("perhaps"));
+    }
+
+    /// A level rod of 1.7 Hz rests 86 mm or more below its clamp. A recording may begin at any turn of its swing.
+    #[test]
+    fn a_level_rod_that_begins_at_its_lowest_point_is_not_upside_down() {
+        for (depth, how) in [(0.07, "+z surely"), (-0.07, "+z perhaps")] {
+            let mut text = "t_s,A_x_m,A_y_m,A_z_m\n".to_owned();
+            for time in (0..700).map(|k| 0.01 * f64::from(k)) {
+                let z = -0.1 + depth * (-0.4 * time).exp() * (std::f64::consts::TAU * 1.7 * time).cos();
+                text += &format!("{time:.2},0.4,0.01,{z:.9}\n");
+            }
+            let recording =
+                parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()).expect("a table");
+            let text = "[[recording]]\nfile = \"a.csv\"\ntip = \"A\"\ninstants = [\"0 s\"]\n";
+            let experiment = Experiment::parse(Path::new("e.toml"), text, &[]).expect("an experiment");
+            let cleaned = clean_all(&experiment, vec![recording]).expect("a release");
+            let what = cleaned.decisions.into_iter().find(|own| own.key == "up").expect("it is found").what;
+            assert!(what.replace(IS_UP, " ").starts_with(how), "{what}");
+        }
     }
 }
