@@ -116,10 +116,10 @@ def test_a_step_that_fails_is_an_error_of_the_unit(slave):
 
 def test_a_step_costs_little(slave):
     own, _ = slave
-    begin = time.perf_counter()
+    begin = time.process_time()
     for step in range(1000):
         own.doStep(1e-3 * step, 1e-3)
-    cost = 1e3 * (time.perf_counter() - begin)
+    cost = 1e3 * (time.process_time() - begin)
     print(f"a step of 1 ms of a unit: {cost:.0f} microseconds")
     # A build for tests on a busy machine is some times slower than the wheel.
     assert cost < 500
