@@ -152,13 +152,31 @@ class Posterior(Answer):
         return {name: np.array(own) for name, own in zip(self["releases"], self["log_likelihood"])}
 
     def to_arviz(self) -> Any:
-        """The same for ArviZ: its InferenceData, or the DataTree of its versions from 1.0 on."""
+        """The same for ArviZ, with priors, predictions and recordings: its InferenceData, or its DataTree from 1.0 on."""
         arviz = optional("arviz")
-        groups = {"posterior": self.draws, "log_likelihood": self.log_likelihood}
+        unknowns = [*self["parameters"], *self["nuisances"]]
+        markers = {f"{own['marker']} of {own['release']}": own for own in self["markers"]}
+        is_predicted = any(own["predicted_m"][0] for own in markers.values())
+        groups: dict[str, Any] = {
+            "posterior": self.draws,
+            "log_likelihood": self.log_likelihood,
+            "prior": {own["name"]: np.array(own["prior"]) for own in unknowns if own["prior"]},
+            "observed_data": {name: np.array(own["recorded_m"]) for name, own in markers.items()},
+        }
+        if is_predicted:
+            groups["posterior_predictive"] = {name: np.array(own["predicted_m"]) for name, own in markers.items()}
+        axes = {
+            "dims": {name: [f"time of {name}", "axis"] for name in markers},
+            "coords": {f"time of {name}": own["time_s"] for name, own in markers.items()} | {"axis": ["x", "z"]},
+        }
         is_tree = int(arviz.__version__.split(".")[0]) >= 1
-        found = arviz.from_dict(groups) if is_tree else arviz.from_dict(**groups)
-        for own in [*self["parameters"], *self["nuisances"]]:
-            found["posterior"][own["name"]].attrs["units"] = own["unit"]
+        found = arviz.from_dict(groups, **axes) if is_tree else arviz.from_dict(**groups, **axes)
+        for group, own in [(group, own) for group in ("posterior", "prior") for own in unknowns]:
+            if own["name"] in groups[group]:
+                found[group][own["name"]].attrs["units"] = own["unit"]
+        for group in {"observed_data", "posterior_predictive"} & groups.keys():
+            for name in markers:
+                found[group][name].attrs["units"] = "m"
         return found
 
 
@@ -286,6 +304,7 @@ def sample(
     chains: int = 4,
     draws: int = 250,
     warm_up: int = 50,
+    predictions: int = 10,
     seed: int = 1,
     progress: Optional[bool] = None,
     **options: Unpack[ExperimentOptions],
@@ -294,10 +313,11 @@ def sample(
 
     It calibrates first. Options are those of `calibrate`. A parameter without a prior is flat within its bounds, in its
     logarithm if the calibration has that scale. The spread is that of the calibration's errors, and the shape that of the cost.
+    Of each chain, `predictions` draws predict the recordings.
     """
     data = data_of(experiment, options)
     with bar("sample", " stages", progress) as tell:
-        return Posterior(_efam.sample(data, chains, draws, warm_up, seed, tell))
+        return Posterior(_efam.sample(data, chains, draws, warm_up, predictions, seed, tell))
 
 
 def fit_pressure_line(

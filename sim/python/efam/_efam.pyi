@@ -258,7 +258,13 @@ def fit_pressure_line(
     time: Sequence[float], command: Sequence[float], reading: Sequence[float]
 ) -> AnswerData: ...
 def sample(
-    experiment: ExperimentData, chains: int, draws: int, warm_up: int, seed: int, tell: _Tell | None
+    experiment: ExperimentData,
+    chains: int,
+    draws: int,
+    warm_up: int,
+    predicted: int,
+    seed: int,
+    tell: _Tell | None,
 ) -> AnswerData: ...
 def diagnose(
     experiment: ExperimentData,

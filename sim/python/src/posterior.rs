@@ -28,6 +28,7 @@ pub fn sample(
     chains: usize,
     draws: usize,
     warm_up: usize,
+    predicted: usize,
     seed: u64,
     tell: Option<Py<PyAny>>,
 ) -> PyResult<AnswerData> {
@@ -47,7 +48,7 @@ pub fn sample(
         progress.say("reading and cleaning the recordings");
         let (mut problem, settings) = problem(&own.own, &own.cleaned()?)?;
         problem.trials_mut().for_each(|trial| trial.run.cancel = cancel.clone());
-        let sampling = SampleSettings { chains, draws, warm_up, seed };
+        let sampling = SampleSettings { chains, draws, warm_up, predicted, seed };
         let (outcome, posterior) =
             sample_posterior(&problem, &settings, &sampling, &Listener(cancel, progress))?;
         let found = &outcome.calibration;

@@ -61,6 +61,16 @@ def test_arviz_agrees(drawn):
         assert draws.attrs["units"] == own["unit"]
         assert float(arviz.rhat(draws.values)) == pytest.approx(own["r_hat"], abs=2e-3)
         assert float(arviz.ess(draws.values)) == pytest.approx(own["effective_draws"], rel=0.02)
+    own = found["nuisances"][0]
+    instant = tree["prior"][own["name"]]
+    assert own["name"].startswith("release instant") and instant.shape == (2, 60) and instant.attrs["units"] == "s"
+    [marker] = found["markers"]
+    name = f"tip of {found['releases'][0]}"
+    recorded, predicted = tree["observed_data"][name].values, tree["posterior_predictive"][name]
+    assert predicted.shape == (2, 10, len(marker["time_s"]), 2) and predicted.attrs["units"] == "m"
+    # Two noises of 0.3 mm: that of the recording, in 600 residuals, and that of the prediction.
+    assert (predicted.values - recorded).std() == pytest.approx(2**0.5 * 3e-4, rel=0.1)
+    assert tree["log_likelihood"][found["releases"][0]].shape == (2, 60)
 
 
 def test_what_cannot_be_sampled_is_refused(drawn):

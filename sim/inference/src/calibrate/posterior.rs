@@ -1,8 +1,8 @@
 //! The posterior of a calibration, by chains of a sampler.
 //!
-//! Its density is the cost of the fit, `exp(−cost)`, with the priors of the experiment. A parameter without a prior is flat
-//! in its scaled variable, the logarithm or the value, within its bounds. The chains run on coordinates that have no bounds,
-//! in which Laplace's approximation is a standard normal distribution.
+//! Its density is the cost of the fit, `exp(−cost)`, with the priors of the experiment, which are of the value. A parameter
+//! without a prior is flat in its scaled variable, the logarithm or the value, within its bounds. The chains run on
+//! coordinates that have no bounds, in which Laplace's approximation is a standard normal distribution.
 //!
 //! Residuals follow one another, so the curvature of the cost alone would give intervals that are too narrow. The draws are
 //! stretched about the fit, so that their covariance is the one that the calibration states: the curvature adjustment of
@@ -15,6 +15,8 @@ use std::sync::{Mutex, PoisonError};
 use efam_core::loss::Huber;
 use efam_core::quantile::quantile;
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,11 +26,11 @@ use super::numerics::correction;
 use super::objective::Objective;
 use super::outcome::CalibrationOutcome;
 use super::prediction::{FIT, Slopes};
-use super::search::Found;
 use super::unknowns::Unknown;
 use super::view::{Series, View};
 use super::{CalibrateError, CalibrationSettings, Listener, PartFit, Problem, fits, told};
 use crate::convergence::convergence;
+use crate::normal::{normal, uniform};
 use crate::nuts::{Chain, chain};
 
 /// How a posterior is sampled.
@@ -40,6 +42,8 @@ pub struct SampleSettings {
     pub draws: usize,
     /// Draws of each before that, in which the steps are tuned.
     pub warm_up: usize,
+    /// Draws of each whose recordings are predicted, spread over all.
+    pub predicted: usize,
     /// Seed of the random numbers.
     pub seed: u64,
 }
@@ -48,7 +52,7 @@ impl Default for SampleSettings {
     /// Four chains of 250 draws: an effective sample size of 400 with some to spare, as `convergence` needs for an R-hat that
     /// is known to a hundredth. In coordinates that are nearly normal, 50 draws tune the step.
     fn default() -> Self {
-        Self { chains: 4, draws: 250, warm_up: 50, seed: 1 }
+        Self { chains: 4, draws: 250, warm_up: 50, predicted: 10, seed: 1 }
     }
 }
 
@@ -63,6 +67,8 @@ pub struct Posterior {
     pub releases: Vec<String>,
     /// Logarithm of the likelihood of each release, up to a constant, shape `[releases][chains][draws]`.
     pub log_likelihood: Vec<Vec<Vec<f64>>>,
+    /// Markers as recorded, and as some draws predict them.
+    pub markers: Vec<PredictedMarker>,
     /// Draws whose trajectory was broken off.
     pub divergent: u64,
     /// Places at which all releases were simulated, in all chains.
@@ -92,12 +98,31 @@ pub struct Sampled {
     pub effective_draws: Option<f64>,
     /// Shape `[chains][draws]`.
     pub draws: Vec<Vec<f64>>,
+    /// As many draws from the prior; none where it is flat without a bound.
+    pub prior: Option<Vec<Vec<f64>>>,
+}
+
+/// A marker of a release: what was recorded, and what would be recorded again; x and z from the clamp, m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PredictedMarker {
+    /// The release.
+    pub release: String,
+    /// The marker.
+    pub marker: String,
+    /// Times of the samples that were fitted, s.
+    pub time_s: Vec<f64>,
+    /// Recorded positions, shape `[samples][x, z]`.
+    pub recorded_m: Vec<[f64; 2]>,
+    /// Predictions with white noise of the size of the residuals, shape `[chains][draws][samples][x, z]`.
+    pub predicted_m: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
 /// R-hat up to which chains agree. Source: Vehtari et al. (2021), section 4.
 const AGREES: f64 = 1.01;
 /// Effective draws from which on R-hat and the ends of intervals are known. Source: Vehtari et al. (2021), section 4.
 const ENOUGH: f64 = 400.0;
+/// Draws from a prior until one is within the bounds; a prior that is a thousandth within them is none.
+const MOST_TRIES: usize = 10_000;
 
 /// Calibrates a problem, and samples its posterior.
 /// # Errors
@@ -113,7 +138,7 @@ pub fn sample(
     let names: Vec<_> =
         (outcome.calibration.parameters.iter().chain(&outcome.calibration.nuisances)).collect();
     let mut posterior = Posterior::default();
-    let mut all: Vec<Option<Vec<Vec<f64>>>> = vec![None; names.len()];
+    let mut all: Vec<Option<Drawn>> = vec![None; names.len()];
     let is_nuisance: Vec<bool> = fitted.unknowns.list.iter().map(Unknown::is_nuisance).collect();
     for (k, fit) in fitted.each.iter().enumerate() {
         let keep_mesh = !settings.remove_mesh;
@@ -122,10 +147,18 @@ pub fn sample(
         let found = sample_part(fit, keep_mesh, &SampleSettings { seed, ..*sampling }, listener).ok_or_else(
             || CalibrateError::NotSampled { release: fit.objective.part.members[0].release.name.clone() },
         )?;
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         for (u, place) in fit.objective.part.places.iter().enumerate() {
-            all[*place] =
-                Some(found.values.iter().map(|chain| chain.iter().map(|own| own[u]).collect()).collect());
+            let draws: Vec<Vec<f64>> =
+                found.values.iter().map(|chain| chain.iter().map(|own| own[u]).collect()).collect();
+            let unknown = &fit.objective.part.unknowns[u];
+            let own = || -> Option<Vec<f64>> {
+                (0..sampling.draws).map(|_| prior_draw(unknown, &mut random)).collect()
+            };
+            let prior = std::iter::repeat_with(own).take(sampling.chains).collect();
+            all[*place] = Some((draws, prior));
         }
+        posterior.markers.extend(found.markers);
         posterior.releases.extend(fit.objective.part.members.iter().map(|trial| trial.release.name.clone()));
         for r in 0..fit.objective.part.members.len() {
             let of = |chain: &Vec<Vec<f64>>| chain.iter().map(|own| own[r]).collect();
@@ -145,7 +178,26 @@ pub fn sample(
     Ok((outcome, posterior))
 }
 
-fn sampled(calibrated: &Calibrated, draws: Vec<Vec<f64>>) -> Sampled {
+/// Draws of an unknown from the posterior and from its prior, shape `[chains][draws]`.
+type Drawn = (Vec<Vec<f64>>, Option<Vec<Vec<f64>>>);
+
+/// A value from the prior of an unknown, within its bounds; none where it is flat without a bound.
+fn prior_draw(unknown: &Unknown, random: &mut Xoshiro256PlusPlus) -> Option<f64> {
+    let (low, high) = unknown.bounds;
+    match unknown.prior {
+        Some(prior) => {
+            let draws = std::iter::repeat_with(|| prior.mean + prior.deviation * normal(random));
+            let is_within = |value: &f64| (low..=high).contains(&unknown.scaled.variable(*value));
+            draws.take(MOST_TRIES).find(is_within)
+        }
+        None if low.is_finite() && high.is_finite() => {
+            Some(unknown.scaled.value(low + (high - low) * uniform(random)))
+        }
+        None => None,
+    }
+}
+
+fn sampled(calibrated: &Calibrated, (draws, prior): Drawn) -> Sampled {
     let all: Vec<f64> = draws.iter().flatten().copied().collect();
     let count = all.len() as f64;
     let value = all.iter().sum::<f64>() / count;
@@ -162,6 +214,7 @@ fn sampled(calibrated: &Calibrated, draws: Vec<Vec<f64>>) -> Sampled {
         r_hat: found.map(|[r_hat, _]| r_hat),
         effective_draws: found.map(|[_, size]| size),
         draws,
+        prior,
     }
 }
 
@@ -198,6 +251,7 @@ struct PartDraws {
     values: Vec<Vec<Vec<f64>>>,
     /// Shape `[chains][draws][releases]`.
     likelihoods: Vec<Vec<Vec<f64>>>,
+    markers: Vec<PredictedMarker>,
     divergent: u64,
     evaluations: u64,
 }
@@ -237,13 +291,15 @@ fn sample_part(
         let likelihoods = found.draws.iter().map(likelihoods).collect::<Option<_>>()?;
         Some((found, likelihoods))
     };
-    let chains: Vec<_> = (0..sampling.chains)
+    let chains: Vec<(Chain, Vec<Vec<f64>>)> = (0..sampling.chains)
         .into_par_iter()
         .map(one)
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Option<_>>()?;
     let mut draws = PartDraws::default();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(!sampling.seed);
+    draws.markers = density.markers(&chains, sampling.predicted.min(sampling.draws), &mut random)?;
     for (chain, likelihoods) in chains {
         draws.values.push(chain.draws.iter().map(|u| density.values(u)).collect());
         draws.likelihoods.push(likelihoods);
@@ -255,8 +311,8 @@ fn sample_part(
 
 /// The posterior of a part in whitened coordinates.
 struct PartDensity<'a> {
+    fit: &'a PartFit,
     objective: &'a Objective,
-    found: &'a Found,
     view: View,
     /// Coordinates without bounds at the fit.
     center: DVector<f64>,
@@ -264,6 +320,8 @@ struct PartDensity<'a> {
     root: DMatrix<f64>,
     /// The same by the covariance that the calibration states.
     stated: DMatrix<f64>,
+    /// Slopes of the fit in units of the noise, of each release, shape `[samples of all tracks, x and z][locals]`.
+    slopes: Vec<DMatrix<f64>>,
 }
 
 impl<'a> PartDensity<'a> {
@@ -308,7 +366,14 @@ impl<'a> PartDensity<'a> {
             }
             None => View { steps: Some(objective.see(&found.x, &view, None)?.steps), ..view },
         };
-        Some(Self { objective, found, view, center, root, stated })
+        let slopes = found.at.carried.blocks.iter().map(|block| {
+            let rows = || block.iter().flat_map(|series| &series.slopes);
+            let columns = rows().next().map_or(0, Vec::len);
+            let values = rows().flat_map(|own| (0..2).flat_map(move |axis| own.iter().map(move |s| s[axis])));
+            DMatrix::from_row_iterator(2 * rows().count(), columns, values)
+        });
+        let slopes = slopes.collect();
+        Some(Self { fit, objective, view, center, root, stated, slopes })
     }
 
     fn coordinates(&self) -> impl Iterator<Item = Coordinate> {
@@ -328,24 +393,86 @@ impl<'a> PartDensity<'a> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let at = self.objective.evaluate(&x, &self.view, Some(&self.found.at.carried))?;
-        let logarithm: f64 = self.coordinates().zip(y.iter()).map(|(own, y)| own.logarithm(*y)).sum();
-        let by_y = self.coordinates().zip(y.iter()).zip(at.gradient.iter());
-        let by_y = by_y.map(|((own, y), gradient)| own.logarithm_slope(*y) - gradient * own.slope(*y));
-        force.copy_from_slice((self.root.transpose() * DVector::from_iterator(y.len(), by_y)).as_slice());
+        let seen = self.objective.see(&x, &self.view, None)?;
         let likelihood = |(block, loss): (&Vec<Series>, &Huber)| {
             -block.iter().flat_map(Series::lengths).map(|length| loss.cost(length)).sum::<f64>()
         };
-        let likelihoods = at.carried.blocks.iter().zip(&self.view.loss).map(likelihood).collect();
-        Some((logarithm - at.cost, likelihoods))
+        let likelihoods: Vec<f64> = seen.blocks.iter().zip(&self.view.loss).map(likelihood).collect();
+        let mut logarithm: f64 = likelihoods.iter().sum();
+        let mut by_x = DVector::<f64>::zeros(x.len());
+        for (r, block) in seen.blocks.iter().enumerate() {
+            let weighted = |residual: &[f64; 2]| {
+                let weight = self.view.loss[r].weight(residual[0].hypot(residual[1]));
+                residual.map(|own| weight * own)
+            };
+            let residuals = block.iter().flat_map(|series| series.residual.iter().flat_map(weighted));
+            let residuals = DVector::from_iterator(self.slopes[r].nrows(), residuals);
+            let own = self.slopes[r].tr_mul(&residuals);
+            self.objective.places(r, 0).iter().zip(own.iter()).for_each(|(place, own)| by_x[*place] += own);
+        }
+        for (k, residual, slope) in self.objective.prior_residuals(&x) {
+            // A prior is one of the value.
+            let (by_value, by_logarithm) = self.objective.part.unknowns[k].scaled.logarithm_of_slope(x[k]);
+            logarithm += by_value - 0.5 * residual * residual;
+            by_x[k] += by_logarithm + residual * slope;
+        }
+        logarithm += self.coordinates().zip(y.iter()).map(|(own, y)| own.logarithm(*y)).sum::<f64>();
+        let by_y = self.coordinates().zip(y.iter()).zip(by_x.iter());
+        let by_y = by_y.map(|((own, y), by_x)| own.logarithm_slope(*y) + by_x * own.slope(*y));
+        force.copy_from_slice((self.root.transpose() * DVector::from_iterator(y.len(), by_y)).as_slice());
+        Some((logarithm, likelihoods))
     }
 
-    /// Values of the unknowns of a draw, with the covariance that the calibration states.
+    /// Scaled unknowns of a draw, with the covariance that the calibration states.
+    fn drawn(&self, u: &[f64]) -> DVector<f64> {
+        self.unknowns(&(&self.center + &self.stated * DVector::from_column_slice(u)))
+    }
+
+    /// Their values.
     fn values(&self, u: &[f64]) -> Vec<f64> {
-        let y = &self.center + &self.stated * DVector::from_column_slice(u);
-        let x = self.unknowns(&y);
+        let x = self.drawn(u);
         let unknowns = self.objective.part.unknowns.iter().zip(x.iter());
         unknowns.map(|(unknown, x)| unknown.scaled.value(*x)).collect()
+    }
+
+    /// What some draws of each chain predict.
+    fn markers(
+        &self,
+        chains: &[(Chain, Vec<Vec<f64>>)],
+        count: usize,
+        random: &mut Xoshiro256PlusPlus,
+    ) -> Option<Vec<PredictedMarker>> {
+        let mut markers = Vec::new();
+        for (r, trial) in self.objective.part.members.iter().enumerate() {
+            for track in &trial.release.tracks {
+                let samples = self.objective.measured[r].samples.iter().take(self.view.counts[r]);
+                let seen = samples.filter_map(|k| Some((trial.release.time[*k], track.position[*k]?)));
+                let (time_s, recorded_m) = seen.unzip();
+                let (release, marker) = (trial.release.name.clone(), track.marker.clone());
+                let predicted_m = vec![Vec::new(); chains.len()];
+                markers.push(PredictedMarker { release, marker, time_s, recorded_m, predicted_m });
+            }
+        }
+        for (c, (chain, _)) in chains.iter().enumerate() {
+            for k in 0..count {
+                let x = self.drawn(&chain.draws[k * chain.draws.len() / count]);
+                let seen = self.objective.see(&x, &self.view, None)?;
+                let tracks = self.fit.uncertainty.tracks.iter().flatten();
+                let noise = self.objective.measured.iter().flat_map(|measured| &measured.noise);
+                let series = seen.blocks.iter().flatten().zip(noise).zip(tracks);
+                for (marker, ((series, noise), track)) in markers.iter_mut().zip(series) {
+                    let mut again = |(recorded, residual): (&[f64; 2], &[f64; 2])| {
+                        let one = |axis: usize| {
+                            recorded[axis] - noise * residual[axis] + track.noise * normal(random)
+                        };
+                        [0, 1].map(one)
+                    };
+                    let own = marker.recorded_m.iter().zip(&series.residual).map(&mut again).collect();
+                    marker.predicted_m[c].push(own);
+                }
+            }
+        }
+        Some(markers)
     }
 }
 

@@ -137,6 +137,15 @@ impl Scaled {
             Scaled::By(size) => size,
         }
     }
+
+    /// Logarithm of that up to a constant, and its derivative by the variable.
+    #[cfg(feature = "posterior")]
+    pub fn logarithm_of_slope(self, x: f64) -> (f64, f64) {
+        match self {
+            Scaled::Logarithmic => (x, 1.0),
+            Scaled::By(_) => (0.0, 0.0),
+        }
+    }
 }
 
 impl Unknown {
