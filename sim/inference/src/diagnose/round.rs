@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::Listener;
@@ -13,7 +13,6 @@ use super::samples::{Sampled, Samples, promised};
 use super::screen::{Promise, Screened, beside};
 use super::search::{EFFORT, Point, steps};
 use super::verdict::{Odds, Round};
-use crate::calibrate::repeats::quantile_of_f;
 
 /// Candidates of a round that are fitted at least and at most, and how far behind the best by the screen one may be. The promise of a
 /// linearised model is rough where the misfit is large. Where it is noise, one is fitted that promises anything.
@@ -219,14 +218,6 @@ impl<'a> Tried<'a> {
         sampled.evidence - base.evidence + self.extension.odds
     }
 
-    /// Whether it may be an answer: it was fitted to all samples, and the interval of its strengths together does not hold zero.
-    fn is_significant(&self) -> bool {
-        let (Some(sampled), strengths) = (&self.sampled, &self.extension.strengths) else { return false };
-        let z = DVector::from_iterator(strengths.len(), strengths.iter().map(|u| sampled.fit.at.z[*u]));
-        let covariance = sampled.covariance.select_rows(strengths).select_columns(strengths);
-        strengths.is_empty() || is_off(&z, covariance).unwrap_or(false)
-    }
-
     fn odds(&self, rejected: Option<String>) -> Odds {
         Odds {
             name: self.extension.name.clone(),
@@ -247,9 +238,9 @@ pub fn weighed(
     bar: f64,
     share: f64,
 ) -> (Round, Option<usize>, Vec<usize>) {
-    let first = tried.iter().position(Tried::is_significant);
+    let first = tried.iter().position(|own| own.sampled.is_some());
     // Two that explain the same share the evidence for them.
-    let all: f64 = tried.iter().filter(|own| own.is_significant()).map(|own| own.all.exp()).sum();
+    let all: f64 = tried.iter().filter(|own| own.sampled.is_some()).map(|own| own.all.exp()).sum();
     let best = first.filter(|_| all.ln() >= bar);
     // With a strength for each pressure an effect is no other one.
     let is_member = |k: &usize| {
@@ -260,7 +251,7 @@ pub fn weighed(
         best.is_some_and(is_near)
     };
     let mut members: Vec<usize> = Vec::new();
-    for k in (0..tried.len()).filter(|k| is_member(k) && tried[*k].is_significant()) {
+    for k in (0..tried.len()).filter(|k| is_member(k) && tried[*k].sampled.is_some()) {
         if members.iter().all(|own| tried[*own].extension.effect() != tried[k].extension.effect()) {
             members.push(k);
         }
@@ -269,7 +260,6 @@ pub fn weighed(
         let why = match best {
             Some(best) if k == best => return own.odds(None),
             _ if own.sampled.is_none() => "features favour others".to_owned(),
-            _ if !own.is_significant() => "the interval of its strength holds zero".to_owned(),
             _ if members.contains(&k) => "explains the recordings as well".to_owned(),
             _ if own.all < bar => "its odds are below the bar".to_owned(),
             Some(best) => format!("{} explains more", tried[best].extension.name),
@@ -285,33 +275,4 @@ pub fn weighed(
         }
     }
     (Round { bar, share, candidates, others }, best, members)
-}
-
-/// Whether zero lies outside of the interval of 95 % of numbers that are normal together: chi-squared, which is F with no end of
-/// degrees of freedom below. None where the covariance is none.
-fn is_off(z: &DVector<f64>, covariance: DMatrix<f64>) -> Option<bool> {
-    const NO_END: f64 = 1e9;
-    let count = z.len() as f64;
-    Some(z.dot(&covariance.cholesky()?.solve(z)) > count * quantile_of_f(count, NO_END))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two numbers whose sum is known badly and whose difference is known well: neither is off by itself, but together they are.
-    /// The 95 % point of chi-squared is 5.99 for two and 3.84 for one.
-    #[test]
-    fn strengths_may_be_off_together() {
-        let alike = DMatrix::from_row_slice(2, 2, &[1.0, 0.99, 0.99, 1.0]);
-        let of = |z: [f64; 2], covariance: &DMatrix<f64>| {
-            is_off(&DVector::from_column_slice(&z), covariance.clone())
-        };
-        assert_eq!(of([0.3, -0.3], &alike), Some(true));
-        assert_eq!(of([0.3, 0.3], &alike), Some(false));
-        let one = |z: f64| is_off(&DVector::from_element(1, z), DMatrix::identity(1, 1)).unwrap();
-        assert!(one(2.0) && one(-2.0) && !one(1.9));
-        let apart = DMatrix::identity(2, 2);
-        assert_eq!((of([1.75, 1.75], &apart), of([1.7, 1.7], &apart)), (Some(true), Some(false)));
-    }
 }
