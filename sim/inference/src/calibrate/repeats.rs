@@ -114,16 +114,6 @@ impl Repeats {
 /// Numbers that a release differs by from another, beside its frequency and damping: size and phase of its swing in each coordinate.
 const NUMBERS: f64 = 4.0;
 
-/// The 95 % point of the F distribution.
-/// Source: Paulson (1942), Annals of Mathematical Statistics 13, 233: the cube root is nearly normal.
-pub(crate) fn quantile_of_f(over: f64, under: f64) -> f64 {
-    let [a, b] = [over, under].map(|degrees| 2.0 / (9.0 * degrees));
-    let square = (1.0 - b).powi(2) - NORMAL_95_ONE_SIDED * NORMAL_95_ONE_SIDED * b;
-    let half = (1.0 - a) * (1.0 - b);
-    let rest = (1.0 - a).powi(2) - NORMAL_95_ONE_SIDED * NORMAL_95_ONE_SIDED * a;
-    ((half + (half * half - square * rest).sqrt()) / square).powi(3)
-}
-
 /// Root mean square distance of a tip from its path by the cameras' noise, m.
 fn noise(problem: &Problem) -> f64 {
     let tracks = problem.trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
@@ -194,15 +184,6 @@ mod tests {
     use super::*;
     use crate::calibrate::Nuisances;
     use crate::calibrate::pure_error::tests::released;
-
-    /// From tables of the distribution.
-    #[test]
-    fn the_f_distribution_is_that_of_tables() {
-        for (over, under, table) in [(8.0, 4.0, 6.04), (8.0, 12.0, 2.85), (36.0, 24.0, 1.91)] {
-            let found = quantile_of_f(over, under);
-            assert!((found / table - 1.0).abs() < 0.03, "{over}, {under}: {found} for {table}");
-        }
-    }
 
     /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 401 samples of two coordinates
     /// share.
