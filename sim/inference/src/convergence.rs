@@ -39,24 +39,22 @@ fn of_halves(ranked: &[Vec<f64>]) -> Option<[f64; 2]> {
     if within.is_nan() || within <= 0.0 {
         return None;
     }
-    // Geyer's initial monotone sequence of sums of pairs.
     let correlation = |lag: usize| {
-        let mean = covariances.iter().map(|own| own[lag]).sum::<f64>() / count * size / (size - 1.0);
+        let mean = covariances.iter().map(|own| own[lag]).sum::<f64>() / count;
         1.0 - (within - mean) / variance
     };
+    // Geyer's initial monotone sequence of sums of pairs; of the last pair the even lag counts, once.
     let (mut sum, mut least) = (0.0, f64::INFINITY);
-    for pair in 0..n / 2 {
-        let even = if pair == 0 { 1.0 } else { correlation(2 * pair) };
-        let own = even + correlation(2 * pair + 1);
-        if own <= 0.0 {
-            break;
-        }
+    let (mut even, mut own, mut lag) = (1.0, 1.0 + correlation(1), 2);
+    while lag + 2 < n && own > 0.0 {
         least = own.min(least);
         sum += least;
+        (even, own) = (correlation(lag), correlation(lag) + correlation(lag + 1));
+        lag += 2;
     }
     let draws = count * size;
     // Chains that swing about the mean are worth more than independent draws; by this much at most, as ArviZ has it.
-    let time = (2.0 * sum - 1.0).max(1.0 / draws.log10());
+    let time = (2.0 * sum - 1.0 + f64::max(even, 0.0)).max(1.0 / draws.log10());
     Some([(variance / within).sqrt(), draws / time])
 }
 

@@ -45,7 +45,10 @@ def test_draws_have_the_spread_of_the_calibration(drawn, capsys):
         # The error of a deviation by 200 draws is 5 %, and that of a mean 7 % of it; the posterior is not quite normal.
         assert draws.std() == pytest.approx(due["standard_error"], rel=0.3), own["name"]
         assert abs(draws.mean() - due["value"]) < 0.4 * due["standard_error"], own["name"]
-        assert own["r_hat"] < 1.05 and own["effective_draws"] > 60, own["name"]
+        # Alpha and beta of one release are known as a sum: along their difference chains are slow, and it is said.
+        assert own["r_hat"] < 1.05 and own["effective_draws"] > 25, own["name"]
+    least = min(own["effective_draws"] for own in found["parameters"])
+    assert least > 400 or any("are worth" in warning for warning in found["warnings"])
     assert found.log_likelihood.keys() == set(found["releases"])
     assert np.array_equal(pickle.loads(pickle.dumps(found)).draws[names[0]], found.draws[names[0]])
     again = efam.sample(drawn, chains=2, draws=150, warm_up=40, seed=3, progress=False)
