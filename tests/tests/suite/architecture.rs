@@ -18,7 +18,7 @@ use floors::CRATES;
 /// kind of work has one door; the two that need more room have a file and a folder of the same name, and
 /// Parquet is written in one file and read in two, strictly where it may be anybody's; a test of our own tables reads back
 /// what was written. argmin has a file a search.
-const DOORS: [(&str, &[&str]); 34] = [
+const DOORS: [(&str, &[&str]); 35] = [
     ("ab_glyph", &["sim/report/src/export/font.rs"]),
     ("argmin", &["sim/experiments/src/analysis/nelder_mead.rs", "sim/experiments/src/analysis/brent.rs"]),
     (
@@ -68,6 +68,7 @@ const DOORS: [(&str, &[&str]); 34] = [
             "sim/recordings/src/columnar.rs",
         ],
     ),
+    ("nuts_rs", &["sim/inference/src/nuts.rs"]),
     ("plotters", &["sim/report/src/picture.rs", "sim/report/src/picture/"]),
     ("pyo3", &["sim/python/src/"]),
     ("rand_chacha", &["tests/src/twin/random.rs"]),
@@ -75,6 +76,8 @@ const DOORS: [(&str, &[&str]); 34] = [
         "rand_xoshiro",
         &[
             "sim/inference/src/normal.rs",
+            "sim/inference/src/convergence.rs",
+            "sim/inference/src/pressure_line.rs",
             "sim/inference/src/features/",
             "sim/inference/src/predict/errors.rs",
             "sim/inference/src/calibrate/",
@@ -109,10 +112,10 @@ const NOT_BELOW: [&str; 8] = [
     "rand",
 ];
 
-const MOST_LINES: usize = 450;
+/// Some 450 lines of code, and the tests beside them.
+const MOST_LINES: usize = 600;
 /// Files that are longer, and why.
-const LONG: [(&str, &str); 3] = [
-    ("models/src/quantity.rs", "half of it tests of its messages"),
+const LONG: [(&str, &str); 2] = [
     ("models/tests/statics.rs", "one case builder for all closed forms"),
     ("sim/experiments/src/summary.rs", "most of it says what each entry of summary.json means"),
 ];
