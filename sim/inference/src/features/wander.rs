@@ -13,8 +13,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::Noise;
 use crate::normal::normal;
 
-/// Root mean square wander over a record, over the deviation of the noise: whoever sees a tenth of a millimetre has a stiffer table than
-/// one who sees a whole one, and what wanders by more than its noise is seen and taken off.
+/// Root mean square wander over a record, over the deviation of the noise. A laboratory that sees a tenth of a millimetre has a stiffer
+/// table than one that sees a whole one.
 const WANDER: f64 = 0.5;
 /// Cycles of the swing in the fastest cosine.
 const CYCLES: f64 = 4.0;
