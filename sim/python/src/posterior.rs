@@ -22,6 +22,7 @@ use crate::watch::{Progress, followed};
 
 /// The posterior of a calibration: chains of draws.
 #[pyfunction]
+#[allow(clippy::too_many_arguments)]
 pub fn sample(
     py: Python<'_>,
     experiment: Py<ExperimentData>,
