@@ -50,7 +50,7 @@ class Answer(Mapping[str, Any]):
         elif own.has_folder:
             with tempfile.TemporaryDirectory(prefix="efam-") as folder:
                 files = files_of(self.write(FilePath(folder) / "answer"))
-        return Answer, (StoredAnswer(own.json, own.table, own.models, files),)
+        return type(self), (StoredAnswer(own.json, own.table, own.models, files),)
 
     @cached_property
     def _entries(self) -> dict[str, Any]:

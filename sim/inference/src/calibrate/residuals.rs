@@ -80,8 +80,12 @@ impl Residuals {
         assert_eq!(values.len(), unknowns.len(), "a value for each unknown");
         let scaled = unknowns.iter().zip(values).map(|(unknown, value)| unknown.scaled.variable(*value));
         let x = DVector::from_iterator(unknowns.len(), scaled);
-        let slopes = if exact { Slopes::Differences } else { Slopes::Variational };
-        let view = View { steps: self.steps.clone(), slopes, ..View::of_all(objective.all()) };
+        let mut view = View { steps: self.steps.clone(), ..View::of_all(objective.all()) };
+        if exact {
+            // Differences repeat the steps, so these must be good here, and not at the start alone.
+            let Some(seen) = objective.see(&x, &view, None) else { return Ok(None) };
+            view = View { steps: Some(seen.steps), slopes: Slopes::Differences, ..view };
+        }
         let Some(seen) = objective.see(&x, &view, Some(view.slopes)) else { return Ok(None) };
         let width = unknowns.len();
         let (mut residuals, mut jacobian) = (Vec::new(), Vec::new());
