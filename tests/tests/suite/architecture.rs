@@ -112,10 +112,10 @@ const NOT_BELOW: [&str; 8] = [
     "rand",
 ];
 
-/// Some 450 lines of code, and the tests beside them.
-const MOST_LINES: usize = 600;
+const MOST_LINES: usize = 450;
 /// Files that are longer, and why.
-const LONG: [(&str, &str); 2] = [
+const LONG: [(&str, &str); 3] = [
+    ("models/src/quantity.rs", "half of it tests of its messages"),
     ("models/tests/statics.rs", "one case builder for all closed forms"),
     ("sim/experiments/src/summary.rs", "most of it says what each entry of summary.json means"),
 ];

@@ -127,7 +127,7 @@ pub fn calibrate(
     settings: &CalibrationSettings,
     listener: &dyn Listener,
 ) -> Result<CalibrationOutcome, CalibrateError> {
-    Ok(told(&fits(problem, settings, listener)?))
+    Ok(outcome_of(&fits(problem, settings, listener)?))
 }
 
 /// All parts of a problem, fitted.
@@ -150,15 +150,14 @@ fn fits(
     // What releases of one condition differ by is in the residuals of their fit, but for what angles and instants of
     // their own explain.
     let stated = settings.repeatability.map(|distance| Repeats::stated(problem, distance));
-    let heard = stated.as_ref().map(|repeats| repeats.heard_in(problem));
-    let problem = heard.unwrap_or_else(|| problem.clone());
+    let problem = stated.as_ref().map_or_else(|| problem.clone(), |repeats| repeats.beside_noise(problem));
     let unknowns = Unknowns::of(&problem)?;
     let each = parts(&problem, &unknowns).into_par_iter().map(|part| fit(part, settings, listener));
     let each = in_order::<_, Result<Vec<PartFit>, CalibrateError>>(each)?;
     Ok(Fits { problem, unknowns, each, stated })
 }
 
-fn told(fits: &Fits) -> CalibrationOutcome {
+fn outcome_of(fits: &Fits) -> CalibrationOutcome {
     let Fits { problem, unknowns, each, stated } = fits;
     let mut outcome = outcome::outcome(problem, unknowns, each);
     let found: Vec<_> = each.iter().map(|fit| (&fit.objective, &fit.found)).collect();

@@ -87,7 +87,7 @@ impl Repeats {
 
     /// The problem with what does not repeat beside the noise of each track. A release differs from another by few numbers, so many
     /// samples share each of them.
-    pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
+    pub(crate) fn beside_noise(&self, problem: &Problem) -> Problem {
         let mut problem = problem.clone();
         let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
         for release in problem.trials_mut().map(|trial| &mut trial.release) {
@@ -200,8 +200,8 @@ mod tests {
         let trial = released(&[], 0.0, 1);
         let problem =
             Problem { trials: vec![trial.into()], parameters: Vec::new(), nuisances: Nuisances::default() };
-        let heard = repeats.heard_in(&problem);
-        let found = heard.trials[0].release.tracks[0].discrepancy;
+        let wider = repeats.beside_noise(&problem);
+        let found = wider.trials[0].release.tracks[0].discrepancy;
         assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.5).sqrt()).abs() < 1e-12, "{found}");
         // A rod without a diameter is the same rod.
         let mut without = Trial::clone(&problem.trials[0]);

@@ -12,6 +12,7 @@ mod answer;
 pub(crate) mod candidate;
 pub mod curve;
 mod data;
+mod equations;
 mod extension;
 mod extra;
 mod hypothesis;

@@ -13,11 +13,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::data::{Comparison, Data, Squares};
+use super::data::{Comparison, Data};
+use super::equations::{Normal, normals};
 use super::hypothesis::Hypothesis;
 use super::likelihood::{Expanded, Fit, laplace};
 use super::search::{EFFORT, Likelihood, search};
-use super::slopes::{add, add_square, chosen, trace_of_product};
+use super::slopes::{add, add_square, trace_of_product};
 use super::unknown::Unknown;
 use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
@@ -137,103 +138,6 @@ impl Samples {
     pub fn variances(data: &Data, seen: &Comparison) -> Vec<f64> {
         known_variances(&data.plans, &normals(&data.plans, seen))
     }
-}
-
-/// The normal equations of one release: with differences d and slopes J, `JᵀJ`, `Jᵀd` and `dᵀd`, of the unknowns that act on it.
-pub struct Normal {
-    /// Places of these among all.
-    pub places: Vec<usize>,
-    pub jj: DMatrix<f64>,
-    pub jd: DVector<f64>,
-    pub dd: f64,
-    pub slow: Slow,
-}
-
-/// Parts of a release that wander has: of its slopes and differences, with the variances S² by wander, m².
-pub struct Slow {
-    pub slopes: DMatrix<f64>,
-    pub differences: DVector<f64>,
-    pub variances: DVector<f64>,
-}
-
-impl Slow {
-    /// Of differences of all samples whose slopes have these parts.
-    pub fn of(plan: &Plan, slopes: DMatrix<f64>, differences: &DVector<f64>) -> Self {
-        let differences = parts(plan, differences);
-        let variances = plan.wander.variances(differences.len());
-        Self { slopes, differences, variances }
-    }
-
-    /// Shares that they lose where numbers have a variance.
-    fn lost(&self, variance: f64) -> DVector<f64> {
-        self.variances.map(|own| own / (own + variance))
-    }
-}
-
-/// Parts of one column of all samples that wander has.
-pub fn parts(plan: &Plan, column: &DVector<f64>) -> DVector<f64> {
-    let column = DMatrix::from_column_slice(column.len(), 1, column.as_slice());
-    plan.wander.parts(&column).column(0).into_owned()
-}
-
-impl Normal {
-    /// The same where the slow parts lose shares.
-    fn without(&self, lost: &DVector<f64>) -> Self {
-        let Slow { slopes, differences, variances } = &self.slow;
-        let mut weighed = slopes.clone();
-        weighed.column_iter_mut().for_each(|mut column| column.component_mul_assign(lost));
-        let none = Slow {
-            slopes: DMatrix::zeros(0, slopes.ncols()),
-            differences: DVector::zeros(0),
-            variances: DVector::zeros(0),
-        };
-        debug_assert_eq!(variances.len(), lost.len());
-        Self {
-            places: self.places.clone(),
-            jj: &self.jj - slopes.tr_mul(&weighed),
-            jd: &self.jd - weighed.tr_mul(differences),
-            dd: self.dd - differences.component_mul(differences).dot(lost),
-            slow: none,
-        }
-    }
-
-    /// The same beside wander, where numbers have a variance.
-    fn beside_wander(&self, variance: f64) -> Self {
-        self.without(&self.slow.lost(variance))
-    }
-
-    /// The same after a step of the unknowns, if slopes stay.
-    fn after(&self, step: &DVector<f64>) -> Self {
-        let step = chosen(step, &self.places);
-        let moved = &self.jj * &step;
-        let Slow { slopes, differences, variances } = &self.slow;
-        Self {
-            places: self.places.clone(),
-            jj: self.jj.clone(),
-            dd: (self.dd + 2.0 * step.dot(&self.jd) + step.dot(&moved)).max(0.0),
-            jd: &self.jd + moved,
-            slow: Slow {
-                slopes: slopes.clone(),
-                differences: differences + slopes * &step,
-                variances: variances.clone(),
-            },
-        }
-    }
-}
-
-fn normals(plans: &[Plan], seen: &Comparison) -> Vec<Normal> {
-    let of = |(r, plan): (usize, &Plan)| {
-        let (difference, slopes) = (&seen.samples.differences[r], &seen.samples.slopes[r]);
-        let Squares { jj, slow } = &seen.squares[r];
-        Normal {
-            places: slopes.places.clone(),
-            jj: jj.clone(),
-            jd: slopes.matrix.tr_mul(difference),
-            dd: difference.norm_squared(),
-            slow: Slow::of(plan, slow.clone(), difference),
-        }
-    };
-    plans.iter().enumerate().map(of).collect()
 }
 
 /// Logarithm of the evidence that a fit promises by the slopes that it has.
@@ -424,6 +328,7 @@ fn rms(seen: &[DVector<f64>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::equations::{Equations, Slow};
     use super::super::unknown::Scaled;
     use super::*;
     use crate::features::tests::swing;
@@ -432,7 +337,7 @@ mod tests {
     fn of_square(dd: f64) -> Normal {
         let none = DVector::zeros(0);
         let slow = Slow { slopes: DMatrix::zeros(0, 0), differences: none.clone(), variances: none.clone() };
-        Normal { places: Vec::new(), jj: DMatrix::zeros(0, 0), jd: none, dd, slow }
+        Normal { places: Vec::new(), all: Equations { jj: DMatrix::zeros(0, 0), jd: none, dd }, slow }
     }
 
     /// A linear model has one optimum and one evidence, wherever it is expanded; at the optimum the gradient of the cost is zero.
@@ -448,9 +353,11 @@ mod tests {
             let difference = aside + &slopes * (z - DVector::from_vec(vec![0.7, -0.4]));
             Normal {
                 places: vec![0, 1],
-                jj: slopes.tr_mul(&slopes),
-                jd: slopes.tr_mul(&difference),
-                dd: difference.norm_squared(),
+                all: Equations {
+                    jj: slopes.tr_mul(&slopes),
+                    jd: slopes.tr_mul(&difference),
+                    dd: difference.norm_squared(),
+                },
                 slow: Slow::of(plan, plan.wander.parts(&slopes), &difference),
             }
         };
@@ -466,7 +373,7 @@ mod tests {
         let there = [own(&optimum)];
         // The variance that belongs to the covariance: `C⁻¹ = I + JᵀJ / v`.
         let curvature = covariance.try_inverse().unwrap();
-        let variance = there[0].jj[(0, 0)] / (curvature[(0, 0)] - 1.0);
+        let variance = there[0].all.jj[(0, 0)] / (curvature[(0, 0)] - 1.0);
         let gradient = expanded(&there, &optimum, &[variance]).gradient;
         assert!(gradient.norm() < 0.01 && optimum.norm() > 0.1, "{gradient} {optimum}");
     }
@@ -500,10 +407,8 @@ mod tests {
         let square = 100.0 * coordinates(plan) * plan.noise.deviation.powi(2);
         let own = Normal {
             places: vec![0, 1, 2],
-            jj: DMatrix::identity(3, 3) * 1e-3,
-            jd: DVector::zeros(3),
+            all: Equations { jj: DMatrix::identity(3, 3) * 1e-3, jd: DVector::zeros(3), dd: square },
             slow: Slow { slopes: DMatrix::zeros(0, 3), ..of_square(square).slow },
-            dd: square,
         };
         let z = DVector::zeros(3);
         let normals = [own];
