@@ -32,6 +32,14 @@ pub struct Chain {
 /// First step of the warm-up: in a density near the normal one the tuned step is of this order.
 const FIRST_STEP: f64 = 0.5;
 
+/// Longest step: where the density is normal, a quarter of a rotation leads to a draw that is independent of the last one, and a half
+/// one to its mirror image.
+const LONGEST_STEP: f64 = std::f64::consts::FRAC_PI_2;
+
+/// Length of a trajectory: half a rotation, after which a normal density leads back. With steps of a quarter that is one step, and
+/// shorter ones are taken until it is reached or turns round.
+const LENGTH: f64 = std::f64::consts::PI;
+
 /// Draws after which masses would be adapted: never, since the coordinates have equal ones.
 const NEVER: u64 = u32::MAX as u64;
 
@@ -98,10 +106,14 @@ pub fn chain(
         trajectory_kind: KineticEnergyKind::ExactNormal,
         ..DiagNutsSettings::default()
     };
+    settings.target_integration_time = Some(LENGTH);
     settings.adapt_options.early_mass_matrix_switch_freq = NEVER;
     settings.adapt_options.mass_matrix_switch_freq = NEVER;
     settings.adapt_options.mass_matrix_update_freq = NEVER;
-    settings.adapt_options.step_size_settings.initial_step = FIRST_STEP;
+    let steps = &mut settings.adapt_options.step_size_settings;
+    steps.initial_step = FIRST_STEP;
+    steps.jitter = None;
+    steps.adapt_options.dual_average.max_step_size = LONGEST_STEP;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
     let start: Vec<f64> =

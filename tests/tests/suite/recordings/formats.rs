@@ -249,11 +249,16 @@ fn c3d_whose_header_is_wrong() {
     is_the_swing(&recording, Format::C3d, ["tip", "base"]);
     says(&recording, "the header states a scale of 0.5, POINT:SCALE one of -0.125");
 
-    let cut_off = C3d { units: "mete".to_owned(), ..C3d::small(84, true) }.bytes(millimetres);
-    let why = read_with(cut_off.clone(), ReadOptions::default()).unwrap_err().to_string();
-    assert!(why.contains("mete"), "{why}");
+    let cut_off = |units: &str| C3d { units: units.to_owned(), ..C3d::small(84, true) }.bytes(millimetres);
+    let recording = read(cut_off("mill"), "a.c3d");
+    is_the_swing(&recording, Format::C3d, ["tip", "base"]);
+    says(&recording, "unit: mm, as POINT:UNITS, `mill`, cut off, states");
+    let why = read_with(cut_off("me"), ReadOptions::default()).unwrap_err().to_string();
+    assert!(why.contains("`me` is no unit of length"), "{why}");
     let requested = ReadOptions { unit: Some(Length::Millimetre), ..ReadOptions::default() };
-    is_the_swing(&read_with(cut_off, requested).unwrap(), Format::C3d, ["tip", "base"]);
+    for units in ["mete", "me"] {
+        is_the_swing(&read_with(cut_off(units), requested.clone()).unwrap(), Format::C3d, ["tip", "base"]);
+    }
 }
 
 #[test]

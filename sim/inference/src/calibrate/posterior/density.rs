@@ -9,7 +9,7 @@ use crate::calibrate::PartFit;
 use crate::calibrate::numerics::correction;
 use crate::calibrate::objective::Objective;
 use crate::calibrate::prediction::{FIT, Slopes};
-use crate::calibrate::unknowns::Unknown;
+use crate::calibrate::unknowns::{Scaled, Unknown};
 use crate::calibrate::view::{Series, View};
 use crate::normal::normal;
 use crate::nuts::Chain;
@@ -19,7 +19,8 @@ pub struct PartDensity<'a> {
     fit: &'a PartFit,
     objective: &'a Objective,
     view: View,
-    /// Coordinates without bounds at the fit.
+    coordinates: Vec<Coordinate>,
+    /// Their values at the fit.
     center: DVector<f64>,
     /// From whitened coordinates to those without bounds, by the curvature of the cost.
     root: DMatrix<f64>,
@@ -33,23 +34,23 @@ impl<'a> PartDensity<'a> {
     pub fn of(fit: &'a PartFit, keep_mesh: bool) -> Option<Self> {
         let PartFit { objective, found, uncertainty, .. } = fit;
         let hessian = &found.at.hessian;
-        let coordinates = || objective.part.unknowns.iter().map(Coordinate::of);
+        let unknowns = objective.part.unknowns.iter().enumerate();
+        let coordinates: Vec<Coordinate> = unknowns
+            .map(|(k, own)| Coordinate::of(own, found.x[k], uncertainty.plain[(k, k)].sqrt()))
+            .collect();
+        let each = |of: &dyn Fn(usize, Coordinate) -> f64| {
+            DVector::from_iterator(
+                coordinates.len(),
+                coordinates.iter().enumerate().map(|(k, own)| of(k, *own)),
+            )
+        };
         // A fit at a bound has no coordinate: the center is one standard error inside.
-        let center = DVector::from_iterator(
-            found.x.len(),
-            coordinates().enumerate().map(|(k, own)| {
-                let deviation = hessian[(k, k)].sqrt().recip();
-                own.inside(found.x[k], if deviation.is_finite() { deviation } else { f64::INFINITY })
-            }),
-        );
-        let slopes = DVector::from_iterator(
-            center.len(),
-            coordinates().zip(center.iter()).map(|(own, y)| own.slope(*y)),
-        );
-        let bends = DVector::from_iterator(
-            center.len(),
-            coordinates().zip(center.iter()).map(|(own, y)| own.bend(*y)),
-        );
+        let center = each(&|k, own| {
+            let deviation = hessian[(k, k)].sqrt().recip();
+            own.inside(found.x[k], if deviation.is_finite() { deviation } else { f64::INFINITY })
+        });
+        let slopes = each(&|k, own| own.slope(center[k]));
+        let bends = each(&|k, own| own.bend(center[k]));
         let by_slopes = |matrix: &DMatrix<f64>| {
             DMatrix::from_fn(center.len(), center.len(), |a, b| slopes[a] * matrix[(a, b)] * slopes[b])
         };
@@ -78,16 +79,15 @@ impl<'a> PartDensity<'a> {
             DMatrix::from_row_iterator(2 * rows().count(), columns, values)
         });
         let slopes = slopes.collect();
-        Some(Self { fit, objective, view, center, root, stated, slopes })
-    }
-
-    fn coordinates(&self) -> impl Iterator<Item = Coordinate> {
-        self.objective.part.unknowns.iter().map(Coordinate::of)
+        Some(Self { fit, objective, view, coordinates, center, root, stated, slopes })
     }
 
     /// Scaled unknowns at coordinates without bounds.
     fn unknowns(&self, y: &DVector<f64>) -> DVector<f64> {
-        DVector::from_iterator(y.len(), self.coordinates().zip(y.iter()).map(|(own, y)| own.variable(*y)))
+        DVector::from_iterator(
+            y.len(),
+            self.coordinates.iter().zip(y.iter()).map(|(own, y)| own.variable(*y)),
+        )
     }
 
     /// Logarithms of the density and of the likelihood of each release, with a force by the slopes of the fit: the prediction is
@@ -95,7 +95,9 @@ impl<'a> PartDensity<'a> {
     pub fn at(&self, u: &[f64], force: &mut [f64]) -> Option<(f64, Vec<f64>)> {
         let y = &self.center + &self.root * DVector::from_column_slice(u);
         let x = self.unknowns(&y);
-        if !x.iter().all(|x| x.is_finite()) {
+        let unknowns = &self.objective.part.unknowns;
+        if !x.iter().zip(unknowns).all(|(x, own)| x.is_finite() && (own.bounds.0..=own.bounds.1).contains(x))
+        {
             return None;
         }
         let seen = self.objective.see(&x, &self.view, None)?;
@@ -117,12 +119,12 @@ impl<'a> PartDensity<'a> {
         }
         for (k, residual, slope) in self.objective.prior_residuals(&x) {
             // A prior is one of the value.
-            let (by_value, by_logarithm) = self.objective.part.unknowns[k].scaled.logarithm_of_slope(x[k]);
+            let (by_value, by_logarithm) = unknowns[k].scaled.logarithm_of_slope(x[k]);
             logarithm += by_value - 0.5 * residual * residual;
             by_x[k] += by_logarithm + residual * slope;
         }
-        logarithm += self.coordinates().zip(y.iter()).map(|(own, y)| own.logarithm(*y)).sum::<f64>();
-        let by_y = self.coordinates().zip(y.iter()).zip(by_x.iter());
+        logarithm += self.coordinates.iter().zip(y.iter()).map(|(own, y)| own.logarithm(*y)).sum::<f64>();
+        let by_y = self.coordinates.iter().zip(y.iter()).zip(by_x.iter());
         let by_y = by_y.map(|((own, y), by_x)| own.logarithm_slope(*y) + by_x * own.slope(*y));
         force.copy_from_slice((self.root.transpose() * DVector::from_iterator(y.len(), by_y)).as_slice());
         Some((logarithm, likelihoods))
@@ -181,87 +183,142 @@ impl<'a> PartDensity<'a> {
     }
 }
 
-/// A coordinate without bounds of an unknown that has some.
+/// Standard errors between a fit and its bounds from which on a draw beyond them is one in a million, and has no density.
+const FAR: f64 = 5.0;
+
+/// A coordinate without bounds of an unknown. Losses add up: what leaves their sum is straight in values, and bent in logarithms, so
+/// that a coordinate is the value wherever it can be.
 #[derive(Clone, Copy, Debug)]
 enum Coordinate {
+    /// The unknown itself, whose bounds are far.
     Free,
-    /// Above or below a bound, by `exp`.
-    Above(f64),
-    Below(f64),
+    /// Above a bound, `bound + size ln(1 + exp y)`: many times the size above it, the unknown itself.
+    Above { bound: f64, size: f64 },
+    /// Below a bound, alike.
+    Below { bound: f64, size: f64 },
     /// Between two, by the logistic function.
     Between(f64, f64),
+    /// The logarithm of a value that is above zero in the same way, with the logarithm of its size.
+    Value(f64),
 }
 
 impl Coordinate {
-    fn of(unknown: &Unknown) -> Self {
-        match unknown.bounds {
-            (low, high) if low.is_finite() && high.is_finite() => Self::Between(low, high),
-            (low, _) if low.is_finite() => Self::Above(low),
-            (_, high) if high.is_finite() => Self::Below(high),
-            _ => Self::Free,
+    /// Of an unknown with its fit and the error of that, both scaled.
+    fn of(unknown: &Unknown, x: f64, size: f64) -> Self {
+        let (low, high) = unknown.bounds;
+        match (x - low > FAR * size, high - x > FAR * size) {
+            (true, true) if unknown.scaled == Scaled::Logarithmic => Self::Value(x + size.ln()),
+            (true, true) => Self::Free,
+            (false, true) => Self::Above { bound: low, size },
+            (true, false) => Self::Below { bound: high, size },
+            (false, false) => Self::Between(low, high),
         }
     }
 
-    /// Of a scaled unknown, moved so far inside that it has a distance from its bounds; half-way between two at most.
+    /// Coordinate of a value, which is moved inside the bounds by a distance.
     fn inside(self, x: f64, distance: f64) -> f64 {
         match self {
             Self::Free => x,
-            Self::Above(low) => (x - low).max(distance.min(1.0)).ln(),
-            Self::Below(high) => (high - x).max(distance.min(1.0)).ln(),
+            Self::Above { bound, size } => softplus_inverse((x - bound).max(distance.min(size)) / size),
+            Self::Below { bound, size } => softplus_inverse((bound - x).max(distance.min(size)) / size),
             Self::Between(low, high) => {
                 let width = high - low;
                 let distance = distance.min(0.5 * width);
                 let share = ((x - low).clamp(distance, width - distance)) / width;
                 (share / (1.0 - share)).ln()
             }
+            Self::Value(size) => softplus_inverse((x - size).exp()),
         }
     }
 
     fn variable(self, y: f64) -> f64 {
         match self {
             Self::Free => y,
-            Self::Above(low) => low + y.exp(),
-            Self::Below(high) => high - y.exp(),
+            Self::Above { bound, size } => bound + size * softplus(y),
+            Self::Below { bound, size } => bound - size * softplus(y),
             Self::Between(low, high) => low + (high - low) * logistic(y),
+            Self::Value(size) => size + softplus(y).ln(),
         }
     }
 
-    /// Derivative of the scaled unknown.
+    /// Derivative of the value by the coordinate.
     fn slope(self, y: f64) -> f64 {
         match self {
             Self::Free => 1.0,
-            Self::Above(_) => y.exp(),
-            Self::Below(_) => -y.exp(),
+            Self::Above { size, .. } => size * logistic(y),
+            Self::Below { size, .. } => -size * logistic(y),
             Self::Between(low, high) => (high - low) * logistic(y) * logistic(-y),
+            Self::Value(_) => logistic(y) / softplus(y),
         }
     }
 
-    /// Logarithm of the size of that, which makes a density flat in the unknown.
+    /// Logarithm of the size of that derivative, and its own derivative.
     fn logarithm(self, y: f64) -> f64 {
         match self {
-            Self::Free => 0.0,
-            Self::Above(_) | Self::Below(_) => y,
             Self::Between(low, high) => (high - low).ln() + logistic(y).ln() + logistic(-y).ln(),
+            _ => self.slope(y).abs().ln(),
         }
     }
 
     fn logarithm_slope(self, y: f64) -> f64 {
         match self {
             Self::Free => 0.0,
-            Self::Above(_) | Self::Below(_) => 1.0,
+            Self::Above { .. } | Self::Below { .. } => logistic(-y),
             Self::Between(..) => 1.0 - 2.0 * logistic(y),
+            Self::Value(_) => logistic(-y) - self.slope(y),
         }
     }
 
-    /// Curvature of its negative.
+    /// Minus its derivative once more: what the coordinate adds to the curvature of the cost.
     fn bend(self, y: f64) -> f64 {
+        let bend = logistic(y) * logistic(-y);
         match self {
-            Self::Between(..) => 2.0 * logistic(y) * logistic(-y),
-            _ => 0.0,
+            Self::Free => 0.0,
+            Self::Above { .. } | Self::Below { .. } => bend,
+            Self::Between(..) => 2.0 * bend,
+            Self::Value(_) => self.slope(y) * (logistic(-y) - self.slope(y)) + bend,
         }
     }
 }
 
 fn logistic(y: f64) -> f64 {
     (1.0 + (-y).exp()).recip()
+}
+
+/// `ln(1 + exp y)`.
+fn softplus(y: f64) -> f64 {
+    y.max(0.0) + (-y.abs()).exp().ln_1p()
+}
+
+fn softplus_inverse(value: f64) -> f64 {
+    value + (-(-value).exp()).ln_1p()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each coordinate leads back to its unknown, and its derivatives are differences.
+    #[test]
+    fn derivatives_of_coordinates_are_differences() {
+        let all = [
+            Coordinate::Free,
+            Coordinate::Above { bound: -0.4, size: 0.7 },
+            Coordinate::Below { bound: 1.3, size: 2.0 },
+            Coordinate::Between(-2.0, 1.5),
+            Coordinate::Value(-1.7),
+        ];
+        let step = 1e-5;
+        for own in all {
+            for y in [-1.2, 0.3, 9.0] {
+                let slope = |of: &dyn Fn(f64) -> f64| (of(y + step) - of(y - step)) / (2.0 * step);
+                let is_near = |a: f64, b: f64| (a - b).abs() < 1e-7 * (1.0 + a.abs());
+                assert!(is_near(slope(&|y| own.variable(y)), own.slope(y)), "{own:?} {y}");
+                assert!(is_near(own.slope(y).abs().ln(), own.logarithm(y)), "{own:?} {y}");
+                assert!(is_near(slope(&|y| own.logarithm(y)), own.logarithm_slope(y)), "{own:?} {y}");
+                assert!(is_near(-slope(&|y| own.logarithm_slope(y)), own.bend(y)), "{own:?} {y}");
+                assert!((own.inside(own.variable(y), 1e-6) - y).abs() < 1e-3, "{own:?} {y}");
+            }
+        }
+    }
 }
