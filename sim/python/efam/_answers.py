@@ -302,7 +302,7 @@ def sample(
     /,
     *,
     chains: int = 4,
-    draws: int = 250,
+    draws: int = 225,
     warm_up: int = 50,
     predictions: int = 10,
     seed: int = 1,

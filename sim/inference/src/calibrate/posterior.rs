@@ -47,10 +47,10 @@ pub struct SampleSettings {
 }
 
 impl Default for SampleSettings {
-    /// Four chains of 250 draws: an effective sample size of 400 with some to spare, as `convergence` needs for an R-hat that
+    /// Four chains of 225 draws: an effective sample size of 400 with some to spare, as `convergence` needs for an R-hat that
     /// is known to a hundredth. In coordinates that are nearly normal, 50 draws tune the step.
     fn default() -> Self {
-        Self { chains: 4, draws: 250, warm_up: 50, predicted: 10, seed: 1 }
+        Self { chains: 4, draws: 225, warm_up: 50, predicted: 10, seed: 1 }
     }
 }
 
