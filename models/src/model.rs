@@ -293,6 +293,22 @@ impl Model {
         })
     }
 
+    /// A parameter, SI.
+    /// # Errors
+    /// [`ModelError::UnknownParameter`], with the paths that there are.
+    pub fn value(&self, path: &str) -> Result<f64, ModelError> {
+        Ok(self.theta[self.index(path)?])
+    }
+
+    /// A parameter, SI; zero where the model lacks its effect.
+    pub fn value_or_zero(&self, path: &str) -> f64 {
+        self.parameters
+            .iter()
+            .zip(&self.theta)
+            .find(|(own, _)| own.path == path)
+            .map_or(0.0, |(_, value)| *value)
+    }
+
     /// Sets a parameter, SI.
     /// # Errors
     /// [`ModelError::UnknownParameter`] or [`ModelError::OutOfRange`].

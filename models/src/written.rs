@@ -215,7 +215,7 @@ impl Definition {
         if let Some(known) = read.get(&text) {
             return Ok(*known);
         }
-        let effect: &'static dyn Effect = Box::leak(Box::new(Registered::new(WrittenLaw::new(self)?)));
+        let effect: &'static dyn Effect = Box::leak(Box::new(Registered::new(WrittenLaw::new(self)?, "")));
         read.insert(text, effect);
         Ok(effect)
     }

@@ -34,12 +34,12 @@ struct Loop {
 }
 
 /// Area of the last of some cycles about the straight rod.
-fn area<L: Law>(theta: &[f64], position: f64, amplitude: f64, omega: f64) -> f64 {
-    cycle::<L>(theta, position, 0.0, amplitude, omega).area
+fn area<L: Law>(law: &L, theta: &[f64], position: f64, amplitude: f64, omega: f64) -> f64 {
+    cycle(law, theta, position, 0.0, amplitude, omega).area
 }
 
 /// Cycles about a curvature `rest`, at which the memories are relaxed before: all branches of the law.
-fn cycle<L: Law>(theta: &[f64], position: f64, rest: f64, amplitude: f64, omega: f64) -> Loop {
+fn cycle<L: Law>(law: &L, theta: &[f64], position: f64, rest: f64, amplitude: f64, omega: f64) -> Loop {
     let step = 2.0 * PI / (omega * STEPS as f64);
     let mut found = Loop { area: 0.0, stiffness: 0.0 };
     for branch in 0..L::ABOUT.memory.max(1) {
@@ -47,10 +47,10 @@ fn cycle<L: Law>(theta: &[f64], position: f64, rest: f64, amplitude: f64, omega:
             let angle = 2.0 * PI * phase / STEPS as f64;
             let kappa_rate = amplitude * omega * angle.cos();
             let kappa = rest + amplitude * angle.sin();
-            (L::bend(&bend(kappa, kappa_rate, branch, memory, position), theta), kappa_rate)
+            (law.bend(&bend(kappa, kappa_rate, branch, memory, position), theta), kappa_rate)
         };
         // A branch relaxes to the curvature, friction to none.
-        let relaxes = L::bend(&bend(rest, 0.0, branch, rest, position), theta).moment == 0.0;
+        let relaxes = law.bend(&bend(rest, 0.0, branch, rest, position), theta).moment == 0.0;
         let mut memory = if relaxes { rest } else { 0.0 };
         for cycle in 0..6 {
             for k in 0..STEPS {
@@ -89,8 +89,8 @@ fn coulomb_friction_loses_four_amplitudes_at_any_rate() {
     let (friction, creep_rate, amplitude) = (7e-4, 1e-4, 3.0);
     for omega in [0.2, 2.0, 200.0] {
         let expected = 4.0 * friction * (amplitude - BRISTLE);
-        assert_near(area::<BraidFriction>(&[friction, creep_rate], 0.5, amplitude, omega), expected, 1e-4);
-        let found = area::<ClampFriction>(&[friction, 0.02, creep_rate], 0.1, amplitude, omega);
+        assert_near(area(&BraidFriction, &[friction, creep_rate], 0.5, amplitude, omega), expected, 1e-4);
+        let found = area(&ClampFriction, &[friction, 0.02, creep_rate], 0.1, amplitude, omega);
         assert_near(found, expected * (-1.0_f64).exp(), 1e-4);
     }
 }
@@ -99,7 +99,7 @@ fn coulomb_friction_loses_four_amplitudes_at_any_rate() {
 #[test]
 fn what_sticks_creeps() {
     let (friction, creep_rate, amplitude, omega) = (7e-4, 10.0, 0.3, 1.0);
-    let found = area::<BraidFriction>(&[friction, creep_rate], 0.5, amplitude, omega);
+    let found = area(&BraidFriction, &[friction, creep_rate], 0.5, amplitude, omega);
     let expected = PI * friction * amplitude * amplitude * omega / creep_rate;
     // The step bends by 3/8 of the squared ratio of the rates, 0.03.
     assert_near(found, expected, 1e-3);
@@ -112,7 +112,7 @@ fn hysteresis_loses_the_same_share_at_any_rate_and_size() {
     let eta = 0.04;
     for omega in [2.0, 200.0] {
         for amplitude in [0.1, 0.3, 3.0] {
-            let found = area::<Hysteresis>(&[eta, 1e-4], 0.5, amplitude, omega);
+            let found = area(&Hysteresis, &[eta, 1e-4], 0.5, amplitude, omega);
             let stored = 0.5 * ROD.bending_stiffness * amplitude * amplitude;
             let ratio: f64 = BRISTLE / amplitude;
             // Of second order: the turn's friction moment falls along 2 κ_b, and √(κ² + κ_b²) is more
@@ -128,28 +128,28 @@ fn hysteresis_loses_the_same_share_at_any_rate_and_size() {
 /// straight, and its friction moment with it.
 #[test]
 fn friction_never_feeds_energy() {
-    fn lost<L: Law>(theta: &[f64], kappa: f64, kappa_rate: f64, memory: f64) -> f64 {
+    fn lost<L: Law>(law: &L, theta: &[f64], kappa: f64, kappa_rate: f64, memory: f64) -> f64 {
         let at = |kappa: f64, memory: f64| bend(kappa, kappa_rate, 0, memory, 0.1);
-        let law = L::bend(&at(kappa, memory), theta);
+        let found = law.bend(&at(kappa, memory), theta);
         // Energies are of second order in z and smooth in κ: central differences are right to 1e-8.
         let step = 1e-6;
         let energy = |sign: f64| {
             let time = sign * step / (kappa_rate.abs() + 1.0);
-            L::bend_energy(&at(kappa + kappa_rate * time, memory + law.memory_rate * time), theta)
+            law.bend_energy(&at(kappa + kappa_rate * time, memory + found.memory_rate * time), theta)
         };
         let stored = (energy(1.0) - energy(-1.0)) / (2.0 * step) * (kappa_rate.abs() + 1.0);
-        law.moment * kappa_rate - stored
+        found.moment * kappa_rate - stored
     }
     for kappa in [-3.0, -0.02, -0.003, 0.0, 0.001, 0.005, 0.05, 8.0] {
         for kappa_rate in [-80.0, -1.0, -1e-3, 0.0, 1e-4, 0.3, 40.0] {
             for memory in [-1.0, -0.4, 0.0, 0.7, 1.0] {
                 let friction = [
-                    lost::<BraidFriction>(&[1e-3, 0.02], kappa, kappa_rate, memory),
-                    lost::<ClampFriction>(&[1e-3, 0.02, 0.02], kappa, kappa_rate, memory),
-                    lost::<Dahl>(&[1e-3, 0.5, 0.02, 1.0, 1.0], kappa, kappa_rate, memory),
-                    lost::<Dahl>(&[1e-3, 0.5, 0.02, 2.5, 0.5], kappa, kappa_rate, memory),
-                    lost::<Dahl>(&[1e-3, 0.5, 0.02, 1.3, 4.0], kappa, kappa_rate, memory),
-                    lost::<Hysteresis>(&[0.05, 0.02], kappa, kappa_rate, memory),
+                    lost(&BraidFriction, &[1e-3, 0.02], kappa, kappa_rate, memory),
+                    lost(&ClampFriction, &[1e-3, 0.02, 0.02], kappa, kappa_rate, memory),
+                    lost(&Dahl, &[1e-3, 0.5, 0.02, 1.0, 1.0], kappa, kappa_rate, memory),
+                    lost(&Dahl, &[1e-3, 0.5, 0.02, 2.5, 0.5], kappa, kappa_rate, memory),
+                    lost(&Dahl, &[1e-3, 0.5, 0.02, 1.3, 4.0], kappa, kappa_rate, memory),
+                    lost(&Hysteresis, &[0.05, 0.02], kappa, kappa_rate, memory),
                 ];
                 for (law, lost) in friction.iter().enumerate() {
                     assert!(
@@ -174,7 +174,7 @@ fn dahl_friction_loses_less_than_coulomb_s_in_small_swings() {
             // In the smallest loop the start is forgotten slowly: 1 − κ_a/κ_y a half cycle at most.
             let tolerance = if amplitude < yielding { 0.05 } else { 1e-5 };
             assert_near(
-                area::<Dahl>(&[friction, yielding, 1e-7, 1.0, 1.0], 0.5, amplitude, omega),
+                area(&Dahl, &[friction, yielding, 1e-7, 1.0, 1.0], 0.5, amplitude, omega),
                 expected,
                 tolerance,
             );
@@ -188,7 +188,7 @@ fn the_cube_of_the_rate_loses_with_the_fourth_power_of_the_swing() {
     let coefficient = 1e-7;
     for (amplitude, omega) in [(1.0_f64, 8.0_f64), (3.0, 8.0), (3.0, 50.0)] {
         let expected = 0.75 * PI * ROD.bending_stiffness * coefficient * omega.powi(3) * amplitude.powi(4);
-        assert_near(area::<StrainRateCubed>(&[coefficient], 0.5, amplitude, omega), expected, 1e-9);
+        assert_near(area(&StrainRateCubed, &[coefficient], 0.5, amplitude, omega), expected, 1e-9);
     }
 }
 
@@ -200,7 +200,7 @@ fn creep_loses_most_at_its_own_time() {
         let expected = PI * share * ROD.bending_stiffness * 4.0 * ratio / (1.0 + ratio * ratio);
         // Six cycles forget the start as exp(−12π/ωτ).
         let tolerance = 1e-6 + (-12.0 * PI / ratio).exp() * 10.0;
-        assert_near(area::<Creep>(&[share, time], 0.5, 2.0, ratio / time), expected, tolerance);
+        assert_near(area(&Creep, &[share, time], 0.5, 2.0, ratio / time), expected, tolerance);
     }
 }
 
@@ -214,14 +214,14 @@ fn structural_damping_has_one_loss_factor_at_every_frequency_amplitude_and_rest(
             let frequency = 3.0 * 10.0_f64.powf(2.5 * (f64::from(decade) / 10.0 - 0.5));
             for (rest, amplitude) in [(0.0, 2.0), (0.0, 0.01), (5.0, 0.05)] {
                 let theta = [loss, 3.0];
-                let found = cycle::<StructuralDamping>(&theta, 0.5, rest, amplitude, 2.0 * PI * frequency);
+                let found = cycle(&StructuralDamping, &theta, 0.5, rest, amplitude, 2.0 * PI * frequency);
                 let storage = ROD.bending_stiffness + found.stiffness;
                 let factor = found.area / (PI * amplitude * amplitude * storage);
                 assert_near(factor, loss, 0.03);
             }
         }
         // Slower than the longest time, 1.1 s: ω²τ² = 0.075 of that branch's 1.6 to 2 η is in phase.
-        let slow = cycle::<StructuralDamping>(&[loss, 3.0], 0.5, 5.0, 0.1, 0.25);
+        let slow = cycle(&StructuralDamping, &[loss, 3.0], 0.5, 5.0, 0.1, 0.25);
         assert!(slow.stiffness < 0.16 * loss * ROD.bending_stiffness, "{}", slow.stiffness);
     }
 }
@@ -232,7 +232,7 @@ fn structural_damping_has_one_loss_factor_at_every_frequency_amplitude_and_rest(
 fn hysteresis_is_coulomb_friction_about_a_bent_rest() {
     let (eta, rest) = (0.04, 5.0);
     for amplitude in [0.1, 0.5, 1.0] {
-        let found = cycle::<Hysteresis>(&[eta, 1e-4], 0.5, rest, amplitude, 10.0).area;
+        let found = cycle(&Hysteresis, &[eta, 1e-4], 0.5, rest, amplitude, 10.0).area;
         let expected = 4.0 * eta * ROD.bending_stiffness * rest * (amplitude - BRISTLE);
         // The friction moment at the two turns differs by 2 κ_a/κ_0: its mean stays, to second order.
         assert_near(found, expected, 2e-4 + BRISTLE / rest);
@@ -258,10 +258,10 @@ fn relaxation_is_even_over_the_logarithm_of_time() {
     for k in 0..40_000 {
         let mut found = 0.0;
         for (branch, memory) in memory.iter_mut().enumerate() {
-            let law = Relaxation::bend(&bend(kappa, 0.0, branch, *memory, 0.5), &theta);
+            let law = Relaxation.bend(&bend(kappa, 0.0, branch, *memory, 0.5), &theta);
             found += law.moment / (share * ROD.bending_stiffness * kappa);
             let half = *memory + 0.5 * step * law.memory_rate;
-            *memory += step * Relaxation::bend(&bend(kappa, 0.0, branch, half, 0.5), &theta).memory_rate;
+            *memory += step * Relaxation.bend(&bend(kappa, 0.0, branch, half, 0.5), &theta).memory_rate;
         }
         if k % 50 == 0 {
             let due = due(step * f64::from(k));
@@ -290,14 +290,14 @@ fn bouc_and_wens_loops_have_the_areas_of_their_solutions() {
         let due = 2.0 * amplitude / yielding;
         let z = solve(&|z: f64| z.atan() + z.atanh(), due);
         let expected = -friction * yielding * (1.0 - z.powi(4)).ln();
-        let found = area::<Dahl>(&[friction, yielding, 1e-7, 2.0, 1.0], 0.5, amplitude, 20.0);
+        let found = area(&Dahl, &[friction, yielding, 1e-7, 2.0, 1.0], 0.5, amplitude, 20.0);
         assert_near(found, expected, 1e-3);
         for shape in [0.7, 2.0, 5.0] {
             let c = 2.0 * shape - 1.0;
             let z = solve(&|z: f64| (c * z).ln_1p() / c - (1.0 - z).ln(), due);
             let expected =
                 2.0 * friction * yielding * (-z - (1.0 - z).ln() - z / c + (c * z).ln_1p() / (c * c));
-            let found = area::<Dahl>(&[friction, yielding, 1e-7, 1.0, shape], 0.5, amplitude, 20.0);
+            let found = area(&Dahl, &[friction, yielding, 1e-7, 1.0, shape], 0.5, amplitude, 20.0);
             // In the smallest loop the start is forgotten slowly.
             assert_near(found, expected, if amplitude < yielding { 0.02 } else { 1e-3 });
         }

@@ -12,7 +12,7 @@
 //! Silent:   Its author does not say.
 //! Source:   Its author does not say.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 use crate::written::integral;
 
 /// A law as text.
@@ -43,13 +43,13 @@ impl Law for MyCubicStiffness {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let coefficient = theta[0];
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [coefficient] = named(theta);
         Moment::of(at.rod.bending_stiffness * coefficient * at.kappa.powi(3))
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         // What it takes to bend or stretch it to there at rest.
-        integral(at.kappa, |kappa| Self::bend(&Bend { kappa, kappa_rate: T::from(0.0), ..*at }, theta).moment)
+        integral(at.kappa, |kappa| self.bend(&Bend { kappa, kappa_rate: T::from(0.0), ..*at }, theta).moment)
     }
 }

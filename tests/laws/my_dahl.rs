@@ -19,7 +19,7 @@
 //! Silent:   Its author does not say.
 //! Source:   Its author does not say.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator, named};
 use crate::formula::{power, root};
 
 /// A law as text.
@@ -94,12 +94,8 @@ impl Law for MyDahl {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let friction_moment = theta[0];
-        let yield_curvature = theta[1];
-        let creep_rate = theta[2];
-        let exponent = theta[3];
-        let loop_shape = theta[4];
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [friction_moment, yield_curvature, creep_rate, exponent, loop_shape] = named(theta);
         Moment {
             moment: friction_moment * at.memory,
             memory_rate: (at.kappa_rate
@@ -112,9 +108,8 @@ impl Law for MyDahl {
         }
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        let friction_moment = theta[0];
-        let yield_curvature = theta[1];
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [friction_moment, yield_curvature] = named(theta);
         friction_moment * yield_curvature * at.memory * at.memory * 0.5
     }
 }

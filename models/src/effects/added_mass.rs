@@ -14,7 +14,7 @@
 //! Source:   Lamb (1932), Hydrodynamics, art. 68: a cylinder across the flow carries ρ π D²/4 a metre,
 //!           0.7 g/m for 27 mm in air. The air inside a muscle is `enclosed_air`: it weighs.
 
-use super::{About, Kind, Law, LineMass, Parameter, Place, Reach, Real, Rod, Separator};
+use super::{About, Kind, Law, LineMass, Parameter, Place, Reach, Real, Rod, Separator, named};
 
 /// Inertia without weight.
 pub struct AddedMass;
@@ -44,8 +44,9 @@ impl Law for AddedMass {
         reach: Reach::Muscle,
     };
 
-    fn inertia<T: Real>(_at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
-        LineMass { inert: theta[0], heavy: T::from(0.0) }
+    fn inertia<T: Real>(&self, _at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
+        let [mass_per_length] = named(theta);
+        LineMass { inert: mass_per_length, heavy: T::from(0.0) }
     }
 }
 

@@ -15,7 +15,7 @@
 //! Source:   Morison's drag term; C_d 1 to 1.2 for a smooth cylinder at Re 10³ to 10⁵, Hoerner
 //!           (1965); cantilevers: Colin et al. (2020), 10.1016/j.jfluidstructs.2020.103056.
 
-use super::{About, Flow, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Flow, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// Quadratic drag of a cylinder across the flow.
 pub struct AirDrag;
@@ -60,9 +60,10 @@ impl Law for AirDrag {
         reach: Reach::Muscle,
     };
 
-    fn flow<T: Real>(at: &Flow<T>, theta: &[T]) -> [T; 2] {
+    fn flow<T: Real>(&self, at: &Flow<T>, theta: &[T]) -> [T; 2] {
+        let [coefficient, density] = named(theta);
         let speed = at.normal_velocity.abs();
-        let pressure = theta[0] * theta[1] * speed * at.normal_velocity * 0.5;
+        let pressure = coefficient * density * speed * at.normal_velocity * 0.5;
         [T::from(0.0), -pressure * at.rod.diameter]
     }
 }

@@ -13,14 +13,15 @@
 //! Silent:   Any motion without tension.
 //! Source:   Two springs in series.
 
-use super::{About, Edge, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Edge, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// A spring in series with the axial stiffness.
 pub struct AxialCompliance;
 
 /// What the spring in series adds to the axial stiffness, N: less than zero.
 fn added_stiffness<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
-    let ratio = theta[0] * at.rod.axial_stiffness;
+    let [compliance] = named(theta);
+    let ratio = compliance * at.rod.axial_stiffness;
     -at.rod.axial_stiffness * ratio / (ratio + 1.0)
 }
 
@@ -49,11 +50,11 @@ impl Law for AxialCompliance {
         reach: Reach::Muscle,
     };
 
-    fn edge<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
+    fn edge<T: Real>(&self, at: &Edge<T>, theta: &[T]) -> T {
         added_stiffness(at, theta) * at.stretch
     }
 
-    fn edge_energy<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
+    fn edge_energy<T: Real>(&self, at: &Edge<T>, theta: &[T]) -> T {
         added_stiffness(at, theta) * at.stretch * at.stretch * 0.5
     }
 }

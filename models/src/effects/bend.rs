@@ -33,11 +33,11 @@ impl Law for Bending {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, _theta: &[T]) -> Moment<T> {
+    fn bend<T: Real>(&self, at: &Bend<T>, _theta: &[T]) -> Moment<T> {
         Moment::of(at.rod.bending_stiffness * at.kappa)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, _theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, _theta: &[T]) -> T {
         at.rod.bending_stiffness * at.kappa * at.kappa * 0.5
     }
 }

@@ -22,7 +22,7 @@
 //!           Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
 use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// Coulomb's friction in every cross-section.
 pub struct BraidFriction;
@@ -45,11 +45,13 @@ impl Law for BraidFriction {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        friction(at, theta[0], theta[1], BRISTLE.into())
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [friction_moment, creep_rate] = named(theta);
+        friction(at, friction_moment, creep_rate, BRISTLE.into())
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        friction_energy(at, theta[0], BRISTLE.into())
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [friction_moment] = named(theta);
+        friction_energy(at, friction_moment, BRISTLE.into())
     }
 }

@@ -13,7 +13,7 @@
 //! Silent:   Any motion without a moment at the root.
 //! Source:   Two springs in series.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// A clamp that gives way.
 pub struct ClampCompliance;
@@ -43,7 +43,8 @@ impl Law for ClampCompliance {
         reach: Reach::Muscle,
     };
 
-    fn clamp<T: Real>(theta: &[T]) -> T {
-        theta[0]
+    fn clamp<T: Real>(&self, theta: &[T]) -> T {
+        let [compliance] = named(theta);
+        compliance
     }
 }

@@ -22,11 +22,12 @@
 //!           as in Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
 use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator, named};
 
 /// Moment at which a section slides, N m.
 fn sliding_moment<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-    theta[0] * (-at.rod.length * at.position / theta[1]).exp()
+    let [friction_moment, grip_length] = named(theta);
+    friction_moment * (-at.rod.length * at.position / grip_length).exp()
 }
 
 /// Coulomb's friction at the root.
@@ -66,11 +67,12 @@ impl Law for ClampFriction {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        friction(at, sliding_moment(at, theta), theta[2], BRISTLE.into())
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [_, _, creep_rate] = named(theta);
+        friction(at, sliding_moment(at, theta), creep_rate, BRISTLE.into())
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         friction_energy(at, sliding_moment(at, theta), BRISTLE.into())
     }
 }

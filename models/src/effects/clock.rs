@@ -12,7 +12,7 @@
 //! Silent:   Rest.
 //! Source:   A camera of (1 + r)⁻¹ times the frames a second that its file says.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// A clock that is off.
 pub struct Clock;
@@ -56,7 +56,8 @@ impl Law for Clock {
         reach: Reach::Muscle,
     };
 
-    fn clock<T: Real>(recorded: T, theta: &[T]) -> T {
-        recorded + theta[0] * recorded + theta[1]
+    fn clock<T: Real>(&self, recorded: T, theta: &[T]) -> T {
+        let [rate_error, offset] = named(theta);
+        recorded + rate_error * recorded + offset
     }
 }

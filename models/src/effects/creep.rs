@@ -18,7 +18,7 @@
 //! Source:   Zener's standard linear solid: Christensen (2003), Theory of Viscoelasticity, ch. 1.
 
 use super::memory::{maxwell, maxwell_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A slow Maxwell branch in bending.
 pub struct Creep;
@@ -61,11 +61,13 @@ impl Law for Creep {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        maxwell(at, theta[0], theta[1])
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [creep_stiffness, creep_time] = named(theta);
+        maxwell(at, creep_stiffness, creep_time)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        maxwell_energy(at, theta[0])
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [creep_stiffness] = named(theta);
+        maxwell_energy(at, creep_stiffness)
     }
 }

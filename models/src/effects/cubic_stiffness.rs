@@ -14,7 +14,7 @@
 //! Source:   Duffing's restoring force for each section; frequency over amplitude: Nayfeh and Mook
 //!           (1979), Nonlinear Oscillations, ch. 2.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A moment of the third power of the curvature.
 pub struct CubicStiffness;
@@ -44,11 +44,13 @@ impl Law for CubicStiffness {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(at.rod.bending_stiffness * theta[0] * at.kappa.powi(3))
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [coefficient] = named(theta);
+        Moment::of(at.rod.bending_stiffness * coefficient * at.kappa.powi(3))
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        at.rod.bending_stiffness * theta[0] * at.kappa.powi(4) * 0.25
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [coefficient] = named(theta);
+        at.rod.bending_stiffness * coefficient * at.kappa.powi(4) * 0.25
     }
 }

@@ -25,7 +25,7 @@
 //!           Comput. Methods Eng. 16, 161. |κ̇| is made smooth in the term of σ.
 
 use super::memory::{CREEP_RATE, FRICTION_MOMENT, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator, named};
 use crate::formula::power;
 
 /// Friction of Dahl, and of Bouc and Wen, in every cross-section.
@@ -79,9 +79,8 @@ impl Law for Dahl {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let [sliding, yielding, creep_rate, exponent, shape] =
-            [theta[0], theta[1], theta[2], theta[3], theta[4]];
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [sliding, yielding, creep_rate, exponent, shape] = named(theta);
         let (z, kappa_rate) = (at.memory, at.kappa_rate);
         let pace = (kappa_rate * kappa_rate + creep_rate * creep_rate).sqrt();
         // `|z|ᵖ⁻¹ z` has the limit 0.
@@ -91,7 +90,8 @@ impl Law for Dahl {
         Moment { moment: sliding * z, memory_rate: (kappa_rate - used) / yielding }
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        friction_energy(at, theta[0], theta[1])
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [sliding, yielding] = named(theta);
+        friction_energy(at, sliding, yielding)
     }
 }

@@ -21,8 +21,7 @@
 
 use super::{
     About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Separator,
-    relative_pressure,
-};
+    relative_pressure, named};
 
 /// Losses that grow with the pressure.
 pub struct DampingOverPressure;
@@ -76,17 +75,20 @@ impl Law for DampingOverPressure {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(theta[0] * relative_pressure(at.rod, theta[2]) * at.rod.bending_stiffness * at.kappa_rate)
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [stiffness_time, _, reference] = named(theta);
+        Moment::of(stiffness_time * relative_pressure(at.rod, reference) * at.rod.bending_stiffness * at.kappa_rate)
     }
 
-    fn edge<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
-        theta[0] * relative_pressure(at.rod, theta[2]) * at.rod.axial_stiffness * at.stretch_rate
+    fn edge<T: Real>(&self, at: &Edge<T>, theta: &[T]) -> T {
+        let [stiffness_time, _, reference] = named(theta);
+        stiffness_time * relative_pressure(at.rod, reference) * at.rod.axial_stiffness * at.stretch_rate
     }
 
-    fn mass<T: Real>(at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+    fn mass<T: Real>(&self, at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+        let [_, mass_rate, reference] = named(theta);
         let zero = T::from(0.0);
-        MassLoad { acceleration: [zero; 2], rate: theta[1] * relative_pressure(at.rod, theta[2]) }
+        MassLoad { acceleration: [zero; 2], rate: mass_rate * relative_pressure(at.rod, reference) }
     }
 }
 
@@ -121,9 +123,9 @@ mod tests {
                 rod: &rod,
             };
             [
-                Effect::bend(&bend, &[4e-3, 0.5, 1e5]).moment,
-                RayleighStiffness::bend(&bend, &[4e-3]).moment,
-                Effect::mass(&Mass { time: 0.0, rod: &rod }, &[4e-3, 0.5, 1e5]).rate,
+                Effect.bend(&bend, &[4e-3, 0.5, 1e5]).moment,
+                RayleighStiffness.bend(&bend, &[4e-3]).moment,
+                Effect.mass(&Mass { time: 0.0, rod: &rod }, &[4e-3, 0.5, 1e5]).rate,
             ]
         };
         let [at_reference, rayleigh, rate] = moment(1e5);

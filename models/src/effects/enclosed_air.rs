@@ -23,7 +23,7 @@
 
 use std::f64::consts::PI;
 
-use super::{About, Kind, Law, LineMass, Parameter, Place, Reach, Real, Rod, Separator};
+use super::{About, Kind, Law, LineMass, Parameter, Place, Reach, Real, Rod, Separator, named};
 
 /// Ambient pressure, Pa.
 const AMBIENT: f64 = 101_325.0;
@@ -56,8 +56,9 @@ impl Law for EnclosedAir {
         reach: Reach::Muscle,
     };
 
-    fn inertia<T: Real>(at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
-        let area = theta[0] * theta[0] * (PI / 4.0);
+    fn inertia<T: Real>(&self, at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
+        let [diameter] = named(theta);
+        let area = diameter * diameter * (PI / 4.0);
         let gauge = at_release.pressure;
         // No bladder holds less than nothing.
         let absolute = if gauge.re() > -AMBIENT { gauge + AMBIENT } else { T::from(0.0) };
@@ -83,7 +84,7 @@ mod tests {
             [(15.0, 0.98, 7.99, 0.240), (40.0, 0.96, 11.59, 0.616), (100.0, 0.93, 14.13, 1.478)]
         {
             let rod = Rod { pressure: psi * PSI, ..rod_with(&[]).rod() };
-            let found = EnclosedAir::inertia(&rod, &[diameter * INCH]);
+            let found = EnclosedAir.inertia(&rod, &[diameter * INCH]);
             let grams = 1e3 * found.inert * length * INCH;
             assert!((grams - due).abs() < 5e-4, "{grams} g at {psi} psi");
             // What weighs is in proportion to the gauge pressure.
@@ -98,7 +99,7 @@ mod tests {
         let fitting: (&str, &[(&str, f64)]) = ("end_fitting", &[("mass", 0.05), ("center_of_mass", 0.017)]);
         let plain = rod_with(&[fitting]);
         let model = rod_with(&[fitting, ("enclosed_air", &[("inner_diameter", 0.02)])]);
-        let air = EnclosedAir::inertia(&plain.rod(), &[0.02]);
+        let air = EnclosedAir.inertia(&plain.rod(), &[0.02]);
         let with = |mass: f64| {
             let mut model = plain.clone();
             model.set("rod.mass", 0.03 + 0.3 * mass).unwrap();

@@ -33,7 +33,7 @@ impl Law for EndFitting {
         reach: Reach::Muscle,
     };
 
-    fn body<T: Real>(theta: &[T]) -> Body<T> {
+    fn body<T: Real>(&self, theta: &[T]) -> Body<T> {
         Body::of(theta)
     }
 }

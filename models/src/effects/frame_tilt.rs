@@ -12,7 +12,7 @@
 //! Silent:   Never.
 //! Source:   Rotation of a plane frame.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight, named};
 
 /// A frame that is not level.
 pub struct FrameTilt;
@@ -42,9 +42,10 @@ impl Law for FrameTilt {
         reach: Reach::Muscle,
     };
 
-    fn sensor<T: Real>(at: &Sight<T>, theta: &[T]) -> [T; 2] {
+    fn sensor<T: Real>(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
+        let [angle] = named(theta);
         let [x, z] = at.position;
-        let (sin, cos) = theta[0].sin_cos();
+        let (sin, cos) = angle.sin_cos();
         [cos * x - sin * z, sin * x + cos * z]
     }
 }

@@ -23,14 +23,15 @@
 //!           1675, with |κ̇| made smooth.
 
 use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, relative_pressure};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, relative_pressure, named};
 
 /// Coulomb's friction that grows with the pressure.
 pub struct FrictionOverPressure;
 
 /// Moment at which a section slides, N m.
 fn sliding_moment<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-    theta[0] * relative_pressure(at.rod, theta[2])
+    let [friction_moment, _, reference] = named(theta);
+    friction_moment * relative_pressure(at.rod, reference)
 }
 
 impl Law for FrictionOverPressure {
@@ -66,11 +67,12 @@ impl Law for FrictionOverPressure {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        friction(at, sliding_moment(at, theta), theta[1], BRISTLE.into())
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [_, creep_rate] = named(theta);
+        friction(at, sliding_moment(at, theta), creep_rate, BRISTLE.into())
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         friction_energy(at, sliding_moment(at, theta), BRISTLE.into())
     }
 }
@@ -96,8 +98,8 @@ mod tests {
                 time: 0.0,
                 rod: &rod,
             };
-            let own = FrictionOverPressure::bend(&at, &[5e-4, 0.02, 1e5]);
-            let braid = BraidFriction::bend(&at, &[5e-4, 0.02]);
+            let own = FrictionOverPressure.bend(&at, &[5e-4, 0.02, 1e5]);
+            let braid = BraidFriction.bend(&at, &[5e-4, 0.02]);
             assert_eq!(own.memory_rate, braid.memory_rate);
             [own.moment, braid.moment]
         };

@@ -11,7 +11,7 @@
 //! Source:   Garbulinski and Wereley (2022), Table 1: 9.81 m/s².
 
 use super::about::STANDARD_GRAVITY;
-use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real};
+use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real, named};
 
 /// Weight.
 pub struct Gravity;
@@ -40,8 +40,9 @@ impl Law for Gravity {
         reach: Reach::Muscle,
     };
 
-    fn mass<T: Real>(_at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+    fn mass<T: Real>(&self, _at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+        let [acceleration] = named(theta);
         let zero = T::from(0.0);
-        MassLoad { acceleration: [zero, -theta[0]], rate: zero }
+        MassLoad { acceleration: [zero, -acceleration], rate: zero }
     }
 }

@@ -13,14 +13,15 @@
 //! Silent:   All that comes much later than τ, but for what the start has left.
 //! Source:   The simplest force that ends: one size, one time.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad, named};
 
 /// A force of the hand that dies away.
 pub struct HandRelease;
 
 /// Upward force at a time, N.
 fn force<T: Real>(at: &Tip<T>, theta: &[T]) -> T {
-    theta[0] * (-at.time / theta[1]).exp()
+    let [force, release_time] = named(theta);
+    force * (-at.time / release_time).exp()
 }
 
 impl Law for HandRelease {
@@ -61,12 +62,12 @@ impl Law for HandRelease {
         reach: Reach::Release,
     };
 
-    fn tip<T: Real>(at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+    fn tip<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
         let zero = T::from(0.0);
         TipLoad { force: [zero, force(at, theta)], moment: zero }
     }
 
-    fn tip_energy<T: Real>(at: &Tip<T>, theta: &[T]) -> T {
+    fn tip_energy<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> T {
         -force(at, theta) * at.position[1]
     }
 }

@@ -14,7 +14,7 @@
 //! Silent:   Rest at r₀.
 //! Source:   Kelvin and Voigt's solid, as a point support.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad};
+use super::{named, About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad};
 
 /// A supply line that holds the tip back.
 pub struct Hose;
@@ -78,13 +78,16 @@ impl Law for Hose {
         reach: Reach::Muscle,
     };
 
-    fn tip<T: Real>(at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
-        let pull = |k: usize| theta[0] * (theta[2 + k] - at.position[k] - theta[1] * at.velocity[k]);
+    fn tip<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+        let [stiffness, damping_time, x, z] = named(theta);
+        let rest = [x, z];
+        let pull = |k: usize| stiffness * (rest[k] - at.position[k] - damping_time * at.velocity[k]);
         TipLoad { force: [pull(0), pull(1)], moment: T::from(0.0) }
     }
 
-    fn tip_energy<T: Real>(at: &Tip<T>, theta: &[T]) -> T {
-        let [x, z] = [at.position[0] - theta[2], at.position[1] - theta[3]];
-        theta[0] * (x * x + z * z) * 0.5
+    fn tip_energy<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> T {
+        let [stiffness, _, x, z] = named(theta);
+        let [x, z] = [at.position[0] - x, at.position[1] - z];
+        stiffness * (x * x + z * z) * 0.5
     }
 }

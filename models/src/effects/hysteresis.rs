@@ -25,12 +25,13 @@
 //!           |κ̇| made smooth.
 
 use super::memory::{BRISTLE, CREEP_RATE, friction, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// Moment at which a section slides, N m. Without the bristle's share under the root, what a bent
 /// bristle stores would grow faster than it is paid for where a section passes through straight.
 fn sliding_moment<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-    theta[0] * at.rod.bending_stiffness * (at.kappa * at.kappa + BRISTLE * BRISTLE).sqrt()
+    let [loss_coefficient] = named(theta);
+    loss_coefficient * at.rod.bending_stiffness * (at.kappa * at.kappa + BRISTLE * BRISTLE).sqrt()
 }
 
 /// Loss of the same size at all frequencies.
@@ -65,11 +66,12 @@ impl Law for Hysteresis {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        friction(at, sliding_moment(at, theta), theta[1], BRISTLE.into())
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [_, creep_rate] = named(theta);
+        friction(at, sliding_moment(at, theta), creep_rate, BRISTLE.into())
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         friction_energy(at, sliding_moment(at, theta), BRISTLE.into())
     }
 }

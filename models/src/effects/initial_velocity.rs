@@ -14,7 +14,7 @@
 //! Source:   Rotation about a fixed point. Plausible is a push with up to a tenth of the energy of the
 //!           fall: 0.32 √(3 g / L), 3.1 rad/s for a rod of 0.3 m. A judgement, not a measurement.
 
-use super::{About, Kind, Law, Parameter, Per, Place, Reach, Real, Release, Separator};
+use super::{About, Kind, Law, Parameter, Per, Place, Reach, Real, Release, Separator, named};
 
 /// An angular velocity at release.
 pub struct InitialVelocity;
@@ -45,7 +45,8 @@ impl Law for InitialVelocity {
         reach: Reach::Release,
     };
 
-    fn release<T: Real>(theta: &[T]) -> Release<T> {
-        Release { angle: T::from(0.0), angular_velocity: theta[0] }
+    fn release<T: Real>(&self, theta: &[T]) -> Release<T> {
+        let [angular_velocity] = named(theta);
+        Release { angle: T::from(0.0), angular_velocity: angular_velocity }
     }
 }

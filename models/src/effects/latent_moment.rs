@@ -19,7 +19,7 @@
 //! Source:   Terms as in sparse identification: Brunton, Proctor and Kutz (2016), PNAS 113, 3932; an
 //!           unknown force on modal coordinates: Rogers and Friis (2022), Mech. Syst. Signal Process. 166.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real};
+use super::{named, About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real};
 
 /// Rate of curvature over which the sign turns round, 1/(m s): a fiftieth of what a release reaches.
 const SIGN_RATE: f64 = 0.5;
@@ -58,10 +58,8 @@ impl Law for LatentMoment {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let &[constant, linear, square, cube, rate_square, rate_sign, square_rate, drift] = theta else {
-            unreachable!("there are as many parameters as terms")
-        };
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [constant, linear, square, cube, rate_square, rate_sign, square_rate, drift] = named(theta);
         let (kappa, rate) = (at.kappa, at.kappa_rate);
         let elastic = constant + (linear + (square + cube * kappa) * kappa) * kappa;
         let pace = if rate.re() < 0.0 { -rate } else { rate };
@@ -71,10 +69,11 @@ impl Law for LatentMoment {
         Moment::of(at.rod.bending_stiffness * (elastic + lossy + drift * at.time))
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         let kappa = at.kappa;
-        let terms = theta[3] * 0.25 * kappa + theta[2] / 3.0;
-        let terms = (terms * kappa + theta[1] * 0.5) * kappa + theta[0] + theta[7] * at.time;
+        let [constant, linear, square, cube, .., drift] = named::<T, 8>(theta);
+        let terms = cube * 0.25 * kappa + square / 3.0;
+        let terms = (terms * kappa + linear * 0.5) * kappa + constant + drift * at.time;
         at.rod.bending_stiffness * terms * kappa
     }
 }
@@ -101,12 +100,12 @@ mod tests {
         };
         let mut theta = [0.0; 8];
         theta[3] = 2e-3;
-        let (found, due) = (LatentMoment::bend(&at, &theta), CubicStiffness::bend(&at, &[2e-3]));
+        let (found, due) = (LatentMoment.bend(&at, &theta), CubicStiffness.bend(&at, &[2e-3]));
         assert!((found.moment - due.moment).abs() < 1e-15 * due.moment.abs());
-        let energy = LatentMoment::bend_energy(&at, &theta) - CubicStiffness::bend_energy(&at, &[2e-3]);
+        let energy = LatentMoment.bend_energy(&at, &theta) - CubicStiffness.bend_energy(&at, &[2e-3]);
         assert!(energy.abs() < 1e-15, "{energy} J/m");
         theta[4] = 1e-3;
-        let lost = LatentMoment::bend(&at, &theta).moment - found.moment;
+        let lost = LatentMoment.bend(&at, &theta).moment - found.moment;
         assert!((lost + 49e-3 * rod.bending_stiffness).abs() < 1e-12, "{lost} N m");
     }
 }

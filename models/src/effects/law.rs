@@ -163,13 +163,8 @@ pub struct Body<T> {
 impl<T: Real> Body<T> {
     /// A body on the axis from the values of [`BODY_PARAMETERS`].
     pub fn of(theta: &[T]) -> Self {
-        Self {
-            mass: theta[0],
-            heavy: theta[0],
-            center_of_mass: theta[1],
-            offset: T::from(0.0),
-            rotary_inertia: theta[2],
-        }
+        let [mass, center_of_mass, rotary_inertia] = named(theta);
+        Self { mass, heavy: mass, center_of_mass, offset: T::from(0.0), rotary_inertia }
     }
 }
 
@@ -257,87 +252,111 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
     },
 ];
 
+/// The first parameters of a law, to be given names: `let [friction_moment, creep_rate] = named(theta);`.
+#[inline(always)]
+pub fn named<T: Copy, const N: usize>(theta: &[T]) -> [T; N] {
+    std::array::from_fn(|k| theta[k])
+}
+
 /// A physical effect as its author writes it: [`ABOUT`](Law::ABOUT) and the laws of the places
 /// where it acts. Derivatives are taken by dual numbers; `theta` are the parameters, in the order
-/// of `ABOUT.parameters`, SI.
+/// of `ABOUT.parameters`, SI, to which [`named`] gives names. A law of the catalogue has nothing in it; one that is
+/// [read from text](crate::written) has its formulas.
 ///
 /// Where a law has an energy, its force must be the gradient of it, or what is left over must not
 /// feed energy: the energy budget takes the difference as dissipation.
 pub trait Law: Sync + 'static {
-    /// What the catalogue knows.
+    /// What the catalogue knows. No loop over the rod is compiled for places that it does not name.
     const ABOUT: About;
 
+    /// The same of this law, which may act at fewer places.
+    fn about(&self) -> &'static About {
+        const { &Self::ABOUT }
+    }
+    /// Its page, if that is not the head of its file.
+    fn page(&self) -> Option<&str> {
+        None
+    }
+    /// The text that it was read from, if it was.
+    fn text(&self) -> Option<&str> {
+        None
+    }
+    /// Whether it needs the diameter elsewhere than in the flow, where it shows by itself.
+    fn needs_diameter(&self) -> bool {
+        false
+    }
+
     /// Moment at a bend; of each [branch](Bend::branch), if the effect has several memories.
-    fn bend<T: Real>(_at: &Bend<T>, _theta: &[T]) -> Moment<T> {
+    fn bend<T: Real>(&self, _at: &Bend<T>, _theta: &[T]) -> Moment<T> {
         Moment::of(T::from(0.0))
     }
     /// Energy stored at a bend, J per metre of rod, of each branch; its derivative by `kappa` is a moment.
-    fn bend_energy<T: Real>(_at: &Bend<T>, _theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, _at: &Bend<T>, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// Tension in an edge, N, positive where it pulls the ends together.
-    fn edge<T: Real>(_at: &Edge<T>, _theta: &[T]) -> T {
+    fn edge<T: Real>(&self, _at: &Edge<T>, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// Energy stored in an edge, J per metre of rest length.
-    fn edge_energy<T: Real>(_at: &Edge<T>, _theta: &[T]) -> T {
+    fn edge_energy<T: Real>(&self, _at: &Edge<T>, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// Force on an edge from outside, tangential and normal, N per metre of rest length.
-    fn flow<T: Real>(_at: &Flow<T>, _theta: &[T]) -> [T; 2] {
+    fn flow<T: Real>(&self, _at: &Flow<T>, _theta: &[T]) -> [T; 2] {
         [T::from(0.0); 2]
     }
     /// Load that goes with mass.
-    fn mass<T: Real>(_at: &Mass<T>, _theta: &[T]) -> MassLoad<T> {
+    fn mass<T: Real>(&self, _at: &Mass<T>, _theta: &[T]) -> MassLoad<T> {
         let zero = T::from(0.0);
         MassLoad { acceleration: [zero; 2], rate: zero }
     }
     /// Load on the end body.
-    fn tip<T: Real>(_at: &Tip<T>, _theta: &[T]) -> TipLoad<T> {
+    fn tip<T: Real>(&self, _at: &Tip<T>, _theta: &[T]) -> TipLoad<T> {
         let zero = T::from(0.0);
         TipLoad { force: [zero; 2], moment: zero }
     }
     /// Potential energy of the load on the end body, J.
-    fn tip_energy<T: Real>(_at: &Tip<T>, _theta: &[T]) -> T {
+    fn tip_energy<T: Real>(&self, _at: &Tip<T>, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// Body at the end of the active length.
-    fn body<T: Real>(_theta: &[T]) -> Body<T> {
+    fn body<T: Real>(&self, _theta: &[T]) -> Body<T> {
         let zero = T::from(0.0);
         Body { mass: zero, heavy: zero, center_of_mass: zero, offset: zero, rotary_inertia: zero }
     }
     /// How much further along the end fitting's axis all bodies at the end lie than they say, m.
-    fn shift<T: Real>(_theta: &[T]) -> T {
+    fn shift<T: Real>(&self, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// Mass that moves with a metre of the rod beside its own; of the rod at release, as masses are.
-    fn inertia<T: Real>(_at_release: &Rod<T>, _theta: &[T]) -> LineMass<T> {
+    fn inertia<T: Real>(&self, _at_release: &Rod<T>, _theta: &[T]) -> LineMass<T> {
         let zero = T::from(0.0);
         LineMass { inert: zero, heavy: zero }
     }
     /// Rotational compliance of the clamp, rad/(N m).
-    fn clamp<T: Real>(_theta: &[T]) -> T {
+    fn clamp<T: Real>(&self, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// Where an observed point is seen, m.
-    fn sensor<T: Real>(at: &Sight<T>, _theta: &[T]) -> [T; 2] {
+    fn sensor<T: Real>(&self, at: &Sight<T>, _theta: &[T]) -> [T; 2] {
         at.position
     }
     /// Time since release, s, at which what is seen at the time `recorded` of the recording took
     /// place; it rises with it.
-    fn clock<T: Real>(recorded: T, _theta: &[T]) -> T {
+    fn clock<T: Real>(&self, recorded: T, _theta: &[T]) -> T {
         recorded
     }
     /// Pressure in the rod, Pa, and its rate, Pa/s, behind a command that [moves steadily](Line).
-    fn line<T: Real>(at: &Line<T>, _theta: &[T]) -> [T; 2] {
+    fn line<T: Real>(&self, at: &Line<T>, _theta: &[T]) -> [T; 2] {
         [at.command + at.command_rate * at.time, at.command_rate]
     }
     /// Time after which the line begins to follow its command, s.
-    fn dead_time<T: Real>(_theta: &[T]) -> T {
+    fn dead_time<T: Real>(&self, _theta: &[T]) -> T {
         T::from(0.0)
     }
     /// What is added to the start.
-    fn release<T: Real>(_theta: &[T]) -> Release<T> {
+    fn release<T: Real>(&self, _theta: &[T]) -> Release<T> {
         let zero = T::from(0.0);
         Release { angle: zero, angular_velocity: zero }
     }

@@ -12,7 +12,7 @@
 //! Silent:   Rest. With a light end body it is mass damping of rate c over the mass per length.
 //! Source:   Slender bodies in creeping flow: Batchelor (1970), J. Fluid Mech. 44, 419.
 
-use super::{About, Flow, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Flow, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// Drag in proportion to velocity.
 pub struct LinearDrag;
@@ -42,7 +42,8 @@ impl Law for LinearDrag {
         reach: Reach::Muscle,
     };
 
-    fn flow<T: Real>(at: &Flow<T>, theta: &[T]) -> [T; 2] {
-        [at.tangential_velocity, at.normal_velocity].map(|velocity| -theta[0] * velocity)
+    fn flow<T: Real>(&self, at: &Flow<T>, theta: &[T]) -> [T; 2] {
+        let [drag_per_length] = named(theta);
+        [at.tangential_velocity, at.normal_velocity].map(|velocity| -drag_per_length * velocity)
     }
 }

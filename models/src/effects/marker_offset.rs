@@ -14,7 +14,7 @@
 //! Silent:   Never; an offset that does not turn is the frame's.
 //! Source:   A point of a rigid body.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight, named};
 
 /// A marker beside the tip.
 pub struct MarkerOffset;
@@ -52,12 +52,12 @@ impl Law for MarkerOffset {
         reach: Reach::Muscle,
     };
 
-    fn sensor<T: Real>(at: &Sight<T>, theta: &[T]) -> [T; 2] {
+    fn sensor<T: Real>(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
+        let [across, along] = named(theta);
         if !at.is_tip {
             return at.position;
         }
         let [x, z] = at.tangent;
-        let (across, along) = (theta[0], theta[1]);
         [at.position[0] + along * x - across * z, at.position[1] + along * z + across * x]
     }
 }

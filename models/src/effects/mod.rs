@@ -7,7 +7,6 @@
 mod about;
 mod catalogue;
 mod erased;
-mod instance;
 pub(crate) mod law;
 mod memory;
 mod packed;
@@ -18,10 +17,9 @@ pub use crate::rod::Rod;
 pub use about::{About, Kind, Parameter, Per, Place, Reach, Separator};
 pub use catalogue::{Catalogue, NameTaken};
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
-pub use instance::{Fixed, Instance};
 pub use law::{
     BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Line, LineMass, Mass, MassLoad, Moment, Release, Sight,
-    Tip, TipLoad,
+    Tip, TipLoad, named,
 };
 pub use registered::Registered;
 pub(crate) use registered::{bend_at, edge_at, flow_at};
@@ -34,7 +32,7 @@ macro_rules! catalogue {
         /// Every effect that a model can have, in the order in which pages list them, and in which those
         /// on what is observed follow one another.
         pub static CATALOGUE: &[&dyn Effect] =
-            &[$(&Registered::new(Fixed::<$file::$law>::new(include_str!(concat!(stringify!($file), ".rs")))),)*];
+            &[$(&Registered::new($file::$law, include_str!(concat!(stringify!($file), ".rs"))),)*];
     };
 }
 

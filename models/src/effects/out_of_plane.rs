@@ -11,7 +11,7 @@
 //! Silent:   While the rod hangs straight down.
 //! Source:   Parallel projection.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight, named};
 
 /// A horizontal that looks short.
 pub struct OutOfPlane;
@@ -41,8 +41,9 @@ impl Law for OutOfPlane {
         reach: Reach::Muscle,
     };
 
-    fn sensor<T: Real>(at: &Sight<T>, theta: &[T]) -> [T; 2] {
+    fn sensor<T: Real>(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
+        let [lost_share] = named(theta);
         let [x, z] = at.position;
-        [x - theta[0] * x, z]
+        [x - lost_share * x, z]
     }
 }

@@ -4,14 +4,13 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::instance::Instance;
-use super::law::{Bend, Edge, Flow};
+use super::law::{Bend, Edge, Flow, Law};
 use crate::kinematics::Fields;
 use crate::pack::{Laid, Pack};
 
 /// Moments of the rods of a pack, bend by bend.
 #[multiversion(targets("x86_64+avx2"))]
-pub(super) fn moments<L: Instance>(
+pub(super) fn moments<L: Law>(
     law: &L,
     rods: &Laid,
     theta: Range<usize>,
@@ -52,7 +51,7 @@ pub(super) fn moments<L: Instance>(
 
 /// Tensions of the rods of a pack, edge by edge.
 #[multiversion(targets("x86_64+avx2"))]
-pub(super) fn tensions<L: Instance>(law: &L, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
+pub(super) fn tensions<L: Law>(law: &L, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
     let c = rods.all;
     for j in 0..c.edges {
         let stretch = f.stretch[j];
@@ -75,7 +74,7 @@ pub(super) fn tensions<L: Instance>(law: &L, rods: &Laid, theta: Range<usize>, f
 
 /// Outer forces on the rods of a pack, edge by edge.
 #[multiversion(targets("x86_64+avx2"))]
-pub(super) fn flows<L: Instance>(law: &L, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
+pub(super) fn flows<L: Law>(law: &L, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
     let c = rods.all;
     for j in 0..c.edges {
         let [tangential_velocity, normal_velocity] = f.midpoint_velocity(j);

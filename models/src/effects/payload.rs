@@ -16,7 +16,7 @@
 //! Silent:   No motion of the tip is without it.
 //! Source:   A rigid body fixed to the end fitting: Newton and Euler.
 
-use super::{About, BODY_PARAMETERS, Body, Kind, Law, Parameter, Place, Reach, Real};
+use super::{named, About, BODY_PARAMETERS, Body, Kind, Law, Parameter, Place, Reach, Real};
 
 /// The rigid body of the payload.
 pub struct Payload;
@@ -49,8 +49,9 @@ impl Law for Payload {
         reach: Reach::Muscle,
     };
 
-    fn body<T: Real>(theta: &[T]) -> Body<T> {
-        Body { offset: theta[3], ..Body::of(theta) }
+    fn body<T: Real>(&self, theta: &[T]) -> Body<T> {
+        let [.., offset] = named::<T, 4>(theta);
+        Body { offset, ..Body::of(theta) }
     }
 }
 

@@ -16,7 +16,7 @@
 //! Source:   First-order lag with dead time and slew rate: Åström and Hägglund (2006), Advanced PID
 //!           Control, sec. 2.4 and 3.5.
 
-use super::{About, Kind, Law, Line, Parameter, Place, Reach, Real, Separator};
+use super::{About, Kind, Law, Line, Parameter, Place, Reach, Real, Separator, named};
 
 /// A first-order lag with a dead time and a rate limit.
 pub struct PressureLine;
@@ -64,8 +64,9 @@ impl Law for PressureLine {
         reach: Reach::Muscle,
     };
 
-    fn line<T: Real>(at: &Line<T>, theta: &[T]) -> [T; 2] {
-        let (lag, limit, rate) = (theta[0], theta[2], at.command_rate);
+    fn line<T: Real>(&self, at: &Line<T>, theta: &[T]) -> [T; 2] {
+        let [lag, _, limit] = named(theta);
+        let rate = at.command_rate;
         // How far the pressure is behind, and the most of it that is followed at less than the limit.
         let (mut behind, most) = (at.command - at.pressure, limit * lag);
         let mut left = at.time;
@@ -98,8 +99,9 @@ impl Law for PressureLine {
         }
     }
 
-    fn dead_time<T: Real>(theta: &[T]) -> T {
-        theta[1]
+    fn dead_time<T: Real>(&self, theta: &[T]) -> T {
+        let [_, dead_time] = named(theta);
+        dead_time
     }
 }
 
@@ -135,17 +137,17 @@ mod tests {
             (5e4, 1.9e4),
         ] {
             let at = Line { pressure: 0.0, command, command_rate, time: 1.0 };
-            let [found, follows] = PressureLine::line(&at, &theta);
+            let [found, follows] = PressureLine.line(&at, &theta);
             let due = stepped(&at);
             assert!((found - due).abs() < 1.0, "{command} at {command_rate}: {found}, due {due}");
-            let before = PressureLine::line(&Line { time: 1.0 - 1e-6, ..at }, &theta)[0];
+            let before = PressureLine.line(&Line { time: 1.0 - 1e-6, ..at }, &theta)[0];
             assert!(((found - before) / 1e-6 - follows).abs() < 1.0, "{follows}");
         }
         // Without a lag the limit alone, and without a limit the command itself.
         let at = Line { pressure: 0.0, command: 3e4, command_rate: 0.0, time: 1.0 };
-        assert_eq!(PressureLine::line(&at, &[0.0, 0.0, LIMIT]), [LIMIT, LIMIT]);
-        assert_eq!(PressureLine::line(&Line { time: 2.0, ..at }, &[0.0, 0.0, LIMIT]), [3e4, 0.0]);
+        assert_eq!(PressureLine.line(&at, &[0.0, 0.0, LIMIT]), [LIMIT, LIMIT]);
+        assert_eq!(PressureLine.line(&Line { time: 2.0, ..at }, &[0.0, 0.0, LIMIT]), [3e4, 0.0]);
         let ramp = Line { pressure: 0.0, command: 0.0, command_rate: 1e4, time: 1.0 };
-        assert_eq!(PressureLine::line(&ramp, &[0.0, 0.0, 1e9]), [1e4, 1e4]);
+        assert_eq!(PressureLine.line(&ramp, &[0.0, 0.0, 1e9]), [1e4, 1e4]);
     }
 }

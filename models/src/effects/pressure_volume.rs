@@ -18,7 +18,7 @@
 //!           curvature, because the outside gains what the inside loses (Pappus's theorem). No measured
 //!           value of c is known to us: take it as a coefficient to be fitted.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A bending stiffness that follows the shape of the whole rod.
 pub struct PressureVolume;
@@ -48,12 +48,14 @@ impl Law for PressureVolume {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(theta[0] * at.rod.bending_stiffness * at.mean_square_curvature * at.kappa)
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [stiffening] = named(theta);
+        Moment::of(stiffening * at.rod.bending_stiffness * at.mean_square_curvature * at.kappa)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        theta[0] * at.rod.bending_stiffness * at.mean_square_curvature * at.kappa * at.kappa * 0.25
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [stiffening] = named(theta);
+        stiffening * at.rod.bending_stiffness * at.mean_square_curvature * at.kappa * at.kappa * 0.25
     }
 }
 

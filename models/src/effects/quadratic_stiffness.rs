@@ -13,7 +13,7 @@
 //! Source:   First term beyond the linear one of a law that is not odd in κ; drift and second
 //!           harmonic: Nayfeh and Mook (1979), Nonlinear Oscillations, ch. 2.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A moment of the square of the curvature.
 pub struct QuadraticStiffness;
@@ -43,11 +43,13 @@ impl Law for QuadraticStiffness {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(at.rod.bending_stiffness * theta[0] * at.kappa.powi(2))
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [coefficient] = named(theta);
+        Moment::of(at.rod.bending_stiffness * coefficient * at.kappa.powi(2))
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        at.rod.bending_stiffness * theta[0] * at.kappa.powi(3) / 3.0
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [coefficient] = named(theta);
+        at.rod.bending_stiffness * coefficient * at.kappa.powi(3) / 3.0
     }
 }

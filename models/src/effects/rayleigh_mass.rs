@@ -11,7 +11,7 @@
 //! Silent:   Rest.
 //! Source:   Rayleigh (1877), The Theory of Sound; Clough and Penzien (2003), section 12-3.
 
-use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real};
+use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real, named};
 
 /// Loss in proportion to momentum.
 pub struct RayleighMass;
@@ -40,7 +40,8 @@ impl Law for RayleighMass {
         reach: Reach::Muscle,
     };
 
-    fn mass<T: Real>(_at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
-        MassLoad { acceleration: [T::from(0.0); 2], rate: theta[0] }
+    fn mass<T: Real>(&self, _at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+        let [alpha] = named(theta);
+        MassLoad { acceleration: [T::from(0.0); 2], rate: alpha }
     }
 }

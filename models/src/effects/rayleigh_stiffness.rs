@@ -20,7 +20,7 @@
 //! Source:   Clough and Penzien (2003), section 12-3, ζ = β ω / 2; rate form as in
 //!           Garbulinski and Wereley's (2022) eq. 5 with strains replaced by their rates.
 
-use super::{About, Bend, Edge, Kind, Law, Moment, Parameter, Place, Reach, Real};
+use super::{About, Bend, Edge, Kind, Law, Moment, Parameter, Place, Reach, Real, named};
 
 /// Loss in proportion to strain rate.
 pub struct RayleighStiffness;
@@ -49,11 +49,13 @@ impl Law for RayleighStiffness {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(theta[0] * at.rod.bending_stiffness * at.kappa_rate)
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [beta] = named(theta);
+        Moment::of(beta * at.rod.bending_stiffness * at.kappa_rate)
     }
 
-    fn edge<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
-        theta[0] * at.rod.axial_stiffness * at.stretch_rate
+    fn edge<T: Real>(&self, at: &Edge<T>, theta: &[T]) -> T {
+        let [beta] = named(theta);
+        beta * at.rod.axial_stiffness * at.stretch_rate
     }
 }

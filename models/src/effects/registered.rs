@@ -1,5 +1,5 @@
 //! From laws over a generic scalar to an [`Effect`]: each method is one loop over the rod, compiled for
-//! one [`Instance`] and one scalar.
+//! one [`Law`] and one scalar.
 
 use std::ops::Range;
 
@@ -8,8 +8,7 @@ use num_dual::{Derivative, Dual64, DualSVec64};
 
 use super::about::{About, Place};
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
-use super::instance::Instance;
-use super::law::{Bend, Body, Edge, Flow, Line, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
+use super::law::{Bend, Body, Edge, Flow, Law, Line, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
 use super::packed;
 use crate::context::Context;
 use crate::kinematics::Fields;
@@ -20,12 +19,13 @@ use crate::rod::Rod;
 /// An effect by its laws.
 pub struct Registered<L> {
     law: L,
+    source: &'static str,
 }
 
-impl<L: Instance> Registered<L> {
-    /// Registers the laws of an effect.
-    pub const fn new(law: L) -> Self {
-        Self { law }
+impl<L: Law> Registered<L> {
+    /// Registers the laws of an effect with the text of their file, whose `//!` lines are its page.
+    pub const fn new(law: L, source: &'static str) -> Self {
+        Self { law, source }
     }
 
     /// Memories of the laws at every bend, counted as one where there is none: loops run once for each.
@@ -36,10 +36,10 @@ impl<L: Instance> Registered<L> {
 
 /// Whether laws can act at a place. Evaluated from constants, so that no loop is compiled for a place where
 /// they cannot: with forty laws and five scalars that is most of them.
-const fn acts<L: Instance>(place: Place) -> bool {
+const fn acts<L: Law>(place: Place) -> bool {
     let mut k = 0;
-    while k < L::PLACES.len() {
-        if L::PLACES[k] as u8 == place as u8 {
+    while k < L::ABOUT.places.len() {
+        if L::ABOUT.places[k] as u8 == place as u8 {
             return true;
         }
         k += 1;
@@ -90,7 +90,7 @@ pub(crate) fn flow_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -
     }
 }
 
-impl<L: Instance, T: Real> EffectFor<T> for Registered<L> {
+impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
     fn add_moments(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>, z: &[T], z_rate: &mut [T]) {
         if const { !acts::<L>(Place::Bend) } {
             return;
@@ -212,13 +212,17 @@ fn derivative<const N: usize>(x: &DualSVec64<N>) -> [f64; N] {
     x.eps.0.map_or([0.0; N], |eps| eps.data.0[0])
 }
 
-impl<L: Instance> Effect for Registered<L> {
+impl<L: Law> Effect for Registered<L> {
     fn about(&self) -> &'static About {
         self.law.about()
     }
 
     fn page(&self) -> String {
-        self.law.page()
+        let head = || {
+            let lines = self.source.lines().map_while(|line| line.strip_prefix("//!"));
+            lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
+        };
+        self.law.page().map_or_else(head, str::to_owned)
     }
 
     fn text(&self) -> Option<&str> {

@@ -23,15 +23,16 @@
 //!           and elastomers: Fung (1993), Biomechanics, sec. 7.6.
 
 use super::memory::{maxwell, maxwell_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A box spectrum of relaxation times in bending.
 pub struct Relaxation;
 
 /// Stiffness of branch `k` over the static one, and its relaxation time, s.
 fn branch<T: Real>(k: usize, theta: &[T]) -> [T; 2] {
-    let eighth = (theta[2] / theta[1]).sqrt().sqrt().sqrt();
-    [theta[0] * 0.25, theta[1] * eighth.powi(2 * k as i32 + 1)]
+    let [stiffness, shortest, longest] = named(theta);
+    let eighth = (longest / shortest).sqrt().sqrt().sqrt();
+    [stiffness * 0.25, shortest * eighth.powi(2 * k as i32 + 1)]
 }
 
 impl Law for Relaxation {
@@ -83,12 +84,12 @@ impl Law for Relaxation {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
         let [share, time] = branch(at.branch, theta);
         maxwell(at, share, time)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         let [share, _time] = branch(at.branch, theta);
         maxwell_energy(at, share)
     }

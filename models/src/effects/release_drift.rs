@@ -12,7 +12,7 @@
 //! Silent:   Any motion that keeps the rod straight in line with the clamp.
 //! Source:   A stiffness of its own for each release.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A bending stiffness of one release.
 pub struct ReleaseDrift;
@@ -42,11 +42,13 @@ impl Law for ReleaseDrift {
         reach: Reach::Release,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(theta[0] * at.rod.bending_stiffness * at.kappa)
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [share] = named(theta);
+        Moment::of(share * at.rod.bending_stiffness * at.kappa)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        theta[0] * at.rod.bending_stiffness * at.kappa * at.kappa * 0.5
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [share] = named(theta);
+        share * at.rod.bending_stiffness * at.kappa * at.kappa * 0.5
     }
 }

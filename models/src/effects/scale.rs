@@ -10,7 +10,7 @@
 //! Silent:   Never.
 //! Source:   A camera calibrated with a wand whose length is off by a share e.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Sight, named};
 
 /// Lengths that are off by a share.
 pub struct Scale;
@@ -40,7 +40,8 @@ impl Law for Scale {
         reach: Reach::Muscle,
     };
 
-    fn sensor<T: Real>(at: &Sight<T>, theta: &[T]) -> [T; 2] {
-        at.position.map(|x| x + theta[0] * x)
+    fn sensor<T: Real>(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
+        let [relative_error] = named(theta);
+        at.position.map(|x| x + relative_error * x)
     }
 }

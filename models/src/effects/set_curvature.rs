@@ -17,7 +17,7 @@
 //! Source:   The natural curvature of a discrete elastic rod: Bergou et al. (2008), Discrete Elastic
 //!           Rods, section 4.2; a braid whose fibres are not laid alike bends under pressure.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator, named};
 
 /// A natural curvature.
 pub struct SetCurvature;
@@ -74,11 +74,11 @@ impl Law for SetCurvature {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
         Moment::of(-at.rod.bending_stiffness * natural(at, theta))
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         let natural = natural(at, theta);
         at.rod.bending_stiffness * natural * (natural * 0.5 - at.kappa)
     }
@@ -86,7 +86,8 @@ impl Law for SetCurvature {
 
 /// Curvature of the unloaded rod, 1/m.
 fn natural<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-    theta[0] + theta[1] * at.rod.pressure + theta[2] * (at.position - 0.5)
+    let [natural_curvature, over_pressure, taper] = named(theta);
+    natural_curvature + over_pressure * at.rod.pressure + taper * (at.position - 0.5)
 }
 
 #[cfg(test)]

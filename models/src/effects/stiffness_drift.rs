@@ -15,7 +15,7 @@
 //! Silent:   The start, and any motion that keeps the rod straight in line with the clamp.
 //! Source:   First order in time of any slow change of stiffness.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A bending stiffness that drifts.
 pub struct StiffnessDrift;
@@ -45,11 +45,13 @@ impl Law for StiffnessDrift {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(-theta[0] * at.time * at.rod.bending_stiffness * at.kappa)
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [drift] = named(theta);
+        Moment::of(-drift * at.time * at.rod.bending_stiffness * at.kappa)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        -theta[0] * at.time * at.rod.bending_stiffness * at.kappa * at.kappa * 0.5
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [drift] = named(theta);
+        -drift * at.time * at.rod.bending_stiffness * at.kappa * at.kappa * 0.5
     }
 }

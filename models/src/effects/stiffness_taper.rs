@@ -13,7 +13,7 @@
 //! Silent:   Any motion that keeps the rod straight in line with the clamp.
 //! Source:   Euler and Bernoulli's beam with a stiffness that varies along it.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A bending stiffness that changes along the rod.
 pub struct StiffnessTaper;
@@ -44,11 +44,13 @@ impl Law for StiffnessTaper {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(at.rod.bending_stiffness * theta[0] * (at.position - 0.5) * at.kappa)
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [taper] = named(theta);
+        Moment::of(at.rod.bending_stiffness * taper * (at.position - 0.5) * at.kappa)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        at.rod.bending_stiffness * theta[0] * (at.position - 0.5) * at.kappa * at.kappa * 0.5
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [taper] = named(theta);
+        at.rod.bending_stiffness * taper * (at.position - 0.5) * at.kappa * at.kappa * 0.5
     }
 }

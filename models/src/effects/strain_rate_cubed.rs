@@ -13,7 +13,7 @@
 //! Source:   Odd powers of velocity as damping: Elliott et al. (2015), Phil. Trans. R. Soc. A 373,
 //!           20140402.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// Loss with the third power of the rate of bending.
 pub struct StrainRateCubed;
@@ -43,7 +43,8 @@ impl Law for StrainRateCubed {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(at.rod.bending_stiffness * theta[0] * at.kappa_rate.powi(3))
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [coefficient] = named(theta);
+        Moment::of(at.rod.bending_stiffness * coefficient * at.kappa_rate.powi(3))
     }
 }

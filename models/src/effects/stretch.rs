@@ -32,11 +32,11 @@ impl Law for Stretch {
         reach: Reach::Muscle,
     };
 
-    fn edge<T: Real>(at: &Edge<T>, _theta: &[T]) -> T {
+    fn edge<T: Real>(&self, at: &Edge<T>, _theta: &[T]) -> T {
         at.rod.axial_stiffness * at.stretch
     }
 
-    fn edge_energy<T: Real>(at: &Edge<T>, _theta: &[T]) -> T {
+    fn edge_energy<T: Real>(&self, at: &Edge<T>, _theta: &[T]) -> T {
         at.rod.axial_stiffness * at.stretch * at.stretch * 0.5
     }
 }

@@ -25,7 +25,7 @@
 //!           deviation from η in the band for η up to 0.3.
 
 use super::memory::{maxwell, maxwell_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// Relaxation times over that of the middle of the band.
 const TIMES: [f64; 4] = [20.6, 2.62, 1.0 / 2.62, 1.0 / 20.6];
@@ -38,9 +38,9 @@ pub struct StructuralDamping;
 
 /// Stiffness of branch `k` over the static one, and its relaxation time, s.
 fn branch<T: Real>(k: usize, theta: &[T]) -> [T; 2] {
-    let loss = theta[0];
+    let [loss, middle_frequency] = named(theta);
     let [a, b, c] = STIFFNESS[k];
-    let middle = (theta[1] * std::f64::consts::TAU).recip();
+    let middle = (middle_frequency * std::f64::consts::TAU).recip();
     [loss * ((loss * c + b) * loss + a), middle * TIMES[k]]
 }
 
@@ -80,12 +80,12 @@ impl Law for StructuralDamping {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
         let [share, time] = branch(at.branch, theta);
         maxwell(at, share, time)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
         let [share, _time] = branch(at.branch, theta);
         maxwell_energy(at, share)
     }

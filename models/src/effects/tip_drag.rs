@@ -15,7 +15,7 @@
 //!           the frontal area: Hoerner (1965), Fluid-Dynamic Drag, ch. 3.
 
 use super::air_drag::AIR_DENSITY;
-use super::{About, Kind, Law, Parameter, Per, Place, Reach, Real, Separator, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Per, Place, Reach, Real, Separator, Tip, TipLoad, named};
 
 /// Quadratic drag of a blunt body at the tip.
 pub struct TipDrag;
@@ -49,13 +49,14 @@ impl Law for TipDrag {
         reach: Reach::Muscle,
     };
 
-    fn tip<T: Real>(at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+    fn tip<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+        let [drag_area, density] = named(theta);
         let (arm, arm_rate) = at.arm();
         let [x, z] = [0, 1].map(|k| at.velocity[k] + arm_rate[k]);
         let square = x * x + z * z;
         // At rest the root has no slope, but the force, of second order, has: zero.
         let speed = if square.re() > 0.0 { square.sqrt() } else { T::from(0.0) };
-        let resistance = theta[0] * theta[1] * speed * 0.5;
+        let resistance = drag_area * density * speed * 0.5;
         TipLoad::of_force_at(arm, [-resistance * x, -resistance * z])
     }
 }

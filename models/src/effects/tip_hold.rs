@@ -20,7 +20,7 @@
 //! Source:   The static equilibrium of a cantilever under a dead load at its end.
 
 use super::tip_load::component;
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad, named};
 
 /// A hand that holds the end.
 pub struct TipHold;
@@ -71,12 +71,14 @@ impl Law for TipHold {
         reach: Reach::Release,
     };
 
-    fn tip<T: Real>(_at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
-        TipLoad { force: [theta[0] * theta[1], theta[0] * theta[2]], moment: theta[0] * theta[3] }
+    fn tip<T: Real>(&self, _at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+        let [held, x, z, moment] = named(theta);
+        TipLoad { force: [held * x, held * z], moment: held * moment }
     }
 
-    fn tip_energy<T: Real>(at: &Tip<T>, theta: &[T]) -> T {
-        -theta[0] * (theta[1] * at.position[0] + theta[2] * at.position[1] + theta[3] * at.angle)
+    fn tip_energy<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> T {
+        let [held, x, z, moment] = named(theta);
+        -held * (x * at.position[0] + z * at.position[1] + moment * at.angle)
     }
 }
 

@@ -11,7 +11,7 @@
 //! Silent:   Any motion in which the end body does not turn; rest.
 //! Source:   Euler's equation of a rigid body in the plane.
 
-use super::{About, Body, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Body, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// Rotary inertia at the tip.
 pub struct TipInertia;
@@ -41,7 +41,8 @@ impl Law for TipInertia {
         reach: Reach::Muscle,
     };
 
-    fn body<T: Real>(theta: &[T]) -> Body<T> {
-        Body::of(&[T::from(0.0), T::from(0.0), theta[0]])
+    fn body<T: Real>(&self, theta: &[T]) -> Body<T> {
+        let [rotary_inertia] = named(theta);
+        Body::of(&[T::from(0.0), T::from(0.0), rotary_inertia])
     }
 }

@@ -10,7 +10,7 @@
 //! Silent:   Never.
 //! Source:   The load cases of the closed forms: pure bending, and Bisshopp and Drucker (1945).
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad, named};
 
 /// A dead load at the tip.
 pub struct TipForce;
@@ -44,11 +44,13 @@ impl Law for TipForce {
         reach: Reach::Muscle,
     };
 
-    fn tip<T: Real>(_at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
-        TipLoad { force: [theta[0], theta[1]], moment: theta[2] }
+    fn tip<T: Real>(&self, _at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+        let [x, z, moment] = named(theta);
+        TipLoad { force: [x, z], moment: moment }
     }
 
-    fn tip_energy<T: Real>(at: &Tip<T>, theta: &[T]) -> T {
-        -(theta[0] * at.position[0] + theta[1] * at.position[1] + theta[2] * at.angle)
+    fn tip_energy<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> T {
+        let [x, z, moment] = named(theta);
+        -(x * at.position[0] + z * at.position[1] + moment * at.angle)
     }
 }

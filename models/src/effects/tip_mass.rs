@@ -14,7 +14,7 @@
 //! Silent:   No motion of the tip is without it.
 //! Source:   Newton's second law.
 
-use super::{About, Body, Kind, Law, Parameter, Per, Place, Reach, Real, Separator};
+use super::{About, Body, Kind, Law, Parameter, Per, Place, Reach, Real, Separator, named};
 
 /// A point mass on the end body.
 pub struct TipMass;
@@ -70,8 +70,9 @@ impl Law for TipMass {
         reach: Reach::Muscle,
     };
 
-    fn body<T: Real>(theta: &[T]) -> Body<T> {
-        Body { heavy: theta[0] * theta[2], ..Body::of(&[theta[0], theta[1], T::from(0.0)]) }
+    fn body<T: Real>(&self, theta: &[T]) -> Body<T> {
+        let [mass, distance, weight] = named(theta);
+        Body { heavy: mass * weight, ..Body::of(&[mass, distance, T::from(0.0)]) }
     }
 }
 

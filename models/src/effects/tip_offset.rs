@@ -12,7 +12,7 @@
 //! Silent:   Never, while there is a body.
 //! Source:   Parallel axes.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, named};
 
 /// Bodies that lie further out.
 pub struct TipOffset;
@@ -42,8 +42,9 @@ impl Law for TipOffset {
         reach: Reach::Muscle,
     };
 
-    fn shift<T: Real>(theta: &[T]) -> T {
-        theta[0]
+    fn shift<T: Real>(&self, theta: &[T]) -> T {
+        let [distance] = named(theta);
+        distance
     }
 }
 

@@ -18,7 +18,7 @@
 //!           and Wereley (2022) on their static EI.
 
 use super::memory::{maxwell, maxwell_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named};
 
 /// A Maxwell branch in bending.
 pub struct Viscoelastic;
@@ -61,11 +61,13 @@ impl Law for Viscoelastic {
         reach: Reach::Muscle,
     };
 
-    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        maxwell(at, theta[0], theta[1])
+    fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let [branch_stiffness, relaxation_time] = named(theta);
+        maxwell(at, branch_stiffness, relaxation_time)
     }
 
-    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        maxwell_energy(at, theta[0])
+    fn bend_energy<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> T {
+        let [branch_stiffness] = named(theta);
+        maxwell_energy(at, branch_stiffness)
     }
 }

@@ -2,7 +2,9 @@
 
 use super::names::{self, out};
 use super::{Definition, LawError, about};
-use crate::effects::{About, Bend, Edge, Flow, Instance, Mass, MassLoad, Moment, Place, Real, Tip, TipLoad};
+use crate::effects::{
+    About, Bend, Edge, Flow, Kind, Law, Mass, MassLoad, Moment, Place, Reach, Real, Tip, TipLoad,
+};
 use crate::formula::Program;
 
 /// A law whose formulas were text.
@@ -52,20 +54,31 @@ pub fn integral<T: Real>(strain: T, stress: impl Fn(T) -> T) -> T {
     GAUSS.iter().fold(T::from(0.0), |sum, (point, weight)| sum + stress(strain * *point) * strain * *weight)
 }
 
-impl Instance for WrittenLaw {
-    const PLACES: &'static [Place] =
-        &[Place::Bend, Place::Whole, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Clamp];
+impl Law for WrittenLaw {
+    /// Where a text can act.
+    const ABOUT: About = About {
+        name: "law",
+        meaning: "a law as text",
+        kind: Kind::Dissipative,
+        places: &[Place::Bend, Place::Whole, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Clamp],
+        memory: 1,
+        timed: false,
+        parameters: &[],
+        signature: "",
+        confounded_with: &[],
+        separated_by: &[],
+        reach: Reach::Muscle,
+    };
 
     fn about(&self) -> &'static About {
         self.about
     }
-    fn page(&self) -> String {
-        self.page.clone()
+    fn page(&self) -> Option<&str> {
+        Some(&self.page)
     }
     fn text(&self) -> Option<&str> {
         Some(&self.text)
     }
-
     fn needs_diameter(&self) -> bool {
         self.needs_diameter
     }

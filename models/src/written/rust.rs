@@ -27,8 +27,19 @@ impl Definition {
             format!("use crate::formula::{{{}}};\n", used.join(", "))
         };
         let integral = if calls(&functions, "integral") { "use crate::written::integral;\n" } else { "" };
-        let of_law =
-            ["Bend", "Edge", "Flow", "Mass", "MassLoad", "Moment", "Per", "Separator", "Tip", "TipLoad"];
+        let of_law = [
+            "Bend",
+            "Edge",
+            "Flow",
+            "Mass",
+            "MassLoad",
+            "Moment",
+            "Per",
+            "Separator",
+            "Tip",
+            "TipLoad",
+            "named",
+        ];
         let about = about_of(read.about);
         let has = |word: &str| format!("{about}{functions}").contains(word);
         let has_word =
@@ -58,13 +69,13 @@ impl Definition {
                 let lets = self.lets(keys);
                 let theta = if lets.is_empty() { "_theta" } else { "theta" };
                 text = format!("{lets}        {text}");
-                format!("\n    fn {name}<T: Real>({at}{theta}: &[T]) -> {gives} {{\n{text}\n    }}\n")
+                format!("\n    fn {name}<T: Real>(&self, {at}{theta}: &[T]) -> {gives} {{\n{text}\n    }}\n")
             };
         let whole = |of: &[String]| of[0].clone();
         let integral = |name: &str, see: &str, strain: &str, rate: &str, of: &str, part: &str| {
             format!(
-                "\n    fn {name}<T: Real>(at: &{see}<T>, theta: &[T]) -> T {{\n        // What it takes to bend or stretch it to \
-                 there at rest.\n        integral(at.{strain}, |{strain}| Self::{of}(&{see} {{ {strain}, {rate}: T::from(0.0), \
+                "\n    fn {name}<T: Real>(&self, at: &{see}<T>, theta: &[T]) -> T {{\n        // What it takes to bend or stretch it to \
+                 there at rest.\n        integral(at.{strain}, |{strain}| self.{of}(&{see} {{ {strain}, {rate}: T::from(0.0), \
                  ..*at }}, theta){part})\n    }}\n"
             )
         };
@@ -138,11 +149,11 @@ impl Definition {
         let is_part = |c: char| c == '_' || c.is_alphanumeric();
         let is_named =
             |name: &str| texts.iter().any(|text| text.split(|c| !is_part(c)).any(|word| word == name));
-        let mut lets = String::new();
-        for (k, own) in self.parameters.iter().enumerate().filter(|(_, own)| is_named(&own.name)) {
-            let _ = writeln!(lets, "        let {} = theta[{k}];", own.name);
-        }
-        lets
+        let last = self.parameters.iter().rposition(|own| is_named(&own.name));
+        let upto = &self.parameters[..last.map_or(0, |last| last + 1)];
+        let names = upto.iter().map(|own| if is_named(&own.name) { own.name.as_str() } else { "_" });
+        let names = names.collect::<Vec<_>>().join(", ");
+        if names.is_empty() { names } else { format!("        let [{names}] = named(theta);\n") }
     }
 
     /// An expression, and how tightly it holds together: 0 a sum, 1 a product, 2 a sign, 3 one thing.

@@ -5,7 +5,7 @@
 //! Errors count residuals that follow one another as fewer independent ones, by their correlation at one sample.
 //! Source: Bayley and Hammersley (1946), Supplement to the J. Royal Statistical Society 8, 184-197.
 
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
+use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, Solution, minimise};
 use models::effects::pressure_line::PressureLine;
 use models::effects::{Law, Line, Real};
 use nalgebra::{DMatrix, DVector};
@@ -136,7 +136,7 @@ impl PressureRecord {
                 _ => 0.0,
             };
             let (command, command_rate) = (T::from(self.command[k]), T::from(rate));
-            PressureLine::line(&Line { pressure, command, command_rate, time }, theta)[0]
+            PressureLine.line(&Line { pressure, command, command_rate, time }, theta)[0]
         };
         let mut begins = vec![T::from(self.command[0])];
         for k in 0..count - 1 {
@@ -254,50 +254,58 @@ pub fn fit(record: &PressureRecord) -> Result<PressureLineFit, PressureRecordErr
     });
     let has_limit = limited.is_some();
     let found = limited.unwrap_or(without);
-    let residuals = &found.at.carried;
-    let variance = 2.0 * found.at.cost / (samples - UNKNOWNS) as f64;
-    let products = residuals.iter().zip(residuals.iter().skip(1)).map(|(a, b)| a * b).sum::<f64>();
-    let autocorrelation = products / residuals.norm_squared().max(f64::MIN_POSITIVE);
-    let shown = autocorrelation.clamp(0.0, 1.0 - 1.0 / samples as f64);
-    let inflated = variance * (1.0 + shown) / (1.0 - shown);
-    let mut hessian = found.at.hessian.clone();
-    if !has_limit {
-        hessian.row_mut(2).fill(0.0);
-        hessian.column_mut(2).fill(0.0);
+    Ok(record.fitted(&found, &scale, has_limit))
+}
+
+impl PressureRecord {
+    /// What was found, with errors that the correlation of what is left widens.
+    fn fitted(&self, found: &Solution<DVector<f64>>, scale: &Scale, has_limit: bool) -> PressureLineFit {
+        let (samples, step) = (found.at.carried.len(), scale.dead_time);
+        let residuals = &found.at.carried;
+        let variance = 2.0 * found.at.cost / (samples - UNKNOWNS) as f64;
+        let products = residuals.iter().zip(residuals.iter().skip(1)).map(|(a, b)| a * b).sum::<f64>();
+        let autocorrelation = products / residuals.norm_squared().max(f64::MIN_POSITIVE);
+        let shown = autocorrelation.clamp(0.0, 1.0 - 1.0 / samples as f64);
+        let inflated = variance * (1.0 + shown) / (1.0 - shown);
+        let mut hessian = found.at.hessian.clone();
+        if !has_limit {
+            hessian.row_mut(2).fill(0.0);
+            hessian.column_mut(2).fill(0.0);
+        }
+        let covariance = inflated * crate::calibrate::uncertainty::pseudo_inverse(&hessian).0;
+        let values = scale.values(&found.x);
+        let slopes = [values[0], scale.dead_time, values[2], scale.pressure];
+        let estimate = |k: usize| Estimate {
+            value: values[k],
+            standard_error: slopes[k] * covariance[(k, k)].max(0.0).sqrt(),
+        };
+        let behind = self.behind(&[values[0], values[1], values[2]]);
+        let rates =
+            behind.windows(2).zip(self.time.windows(2)).map(|(p, t)| ((p[1] - p[0]) / (t[1] - t[0])).abs());
+        let mut warnings = Vec::new();
+        if autocorrelation > CORRELATED {
+            warnings.push(format!(
+                "what is left follows from sample to sample (correlation {autocorrelation:.2}): the line is more than a lag, a \
+                 dead time and a rate limit"
+            ));
+        }
+        if values[0] < step {
+            warnings.push(format!(
+                "the time constant is shorter than a sample of {step:.3} s; record faster to know it"
+            ));
+        }
+        PressureLineFit {
+            time_constant_s: estimate(0),
+            dead_time_s: estimate(1),
+            rate_limit_pa_per_s: has_limit.then(|| estimate(2)),
+            offset_pa: estimate(3),
+            fastest_pa_per_s: rates.fold(0.0, f64::max),
+            rms_pa: (residuals.norm_squared() / samples as f64).sqrt(),
+            autocorrelation,
+            samples,
+            warnings,
+        }
     }
-    let covariance = inflated * crate::calibrate::uncertainty::pseudo_inverse(&hessian).0;
-    let values = scale.values(&found.x);
-    let slopes = [values[0], scale.dead_time, values[2], scale.pressure];
-    let estimate = |k: usize| Estimate {
-        value: values[k],
-        standard_error: slopes[k] * covariance[(k, k)].max(0.0).sqrt(),
-    };
-    let behind = record.behind(&[values[0], values[1], values[2]]);
-    let rates =
-        behind.windows(2).zip(record.time.windows(2)).map(|(p, t)| ((p[1] - p[0]) / (t[1] - t[0])).abs());
-    let mut warnings = Vec::new();
-    if autocorrelation > CORRELATED {
-        warnings.push(format!(
-            "what is left follows from sample to sample (correlation {autocorrelation:.2}): the line is more than a lag, a \
-             dead time and a rate limit"
-        ));
-    }
-    if values[0] < step {
-        warnings.push(format!(
-            "the time constant is shorter than a sample of {step:.3} s; record faster to know it"
-        ));
-    }
-    Ok(PressureLineFit {
-        time_constant_s: estimate(0),
-        dead_time_s: estimate(1),
-        rate_limit_pa_per_s: has_limit.then(|| estimate(2)),
-        offset_pa: estimate(3),
-        fastest_pa_per_s: rates.fold(0.0, f64::max),
-        rms_pa: (residuals.norm_squared() / samples as f64).sqrt(),
-        autocorrelation,
-        samples,
-        warnings,
-    })
 }
 
 #[cfg(test)]

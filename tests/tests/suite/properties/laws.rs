@@ -13,7 +13,7 @@ use efam_core::trajectory::Trajectory;
 use efam_experiments::scenario::{Scenario, parse_laws, read_laws};
 use efam_inference::diagnose::{DiagnosisSettings, Verdict, diagnose, plan};
 use models::check::TESTS;
-use models::effects::{Catalogue, Effect, Fixed, Registered};
+use models::effects::{Catalogue, Effect, Registered};
 use models::model::Model;
 use tests::blind::problem;
 use tests::twin::drawn::Plan;
@@ -226,10 +226,8 @@ fn the_rust_of_a_law_is_as_it_was() {
 #[test]
 fn the_rust_of_a_law_swings_as_its_text() {
     let written = catalogue_of(&effects(&folder().join("catalogue.toml")));
-    let compiled: [&'static dyn Effect; 2] = [
-        &const { Registered::new(Fixed::<MyCubicStiffness>::new("")) },
-        &const { Registered::new(Fixed::<MyDahl>::new("")) },
-    ];
+    let compiled: [&'static dyn Effect; 2] =
+        [&const { Registered::new(MyCubicStiffness, "") }, &const { Registered::new(MyDahl, "") }];
     let compiled = catalogue_of(&compiled);
     for (name, key) in [("my_cubic_stiffness", "coefficient"), ("my_dahl", "friction_moment")] {
         let run = Run { energy: true, ..Run::release(1.0, 50.0) };
