@@ -1,6 +1,7 @@
 //! The command line: parse, call one function, print, exit code. clap is named here and below, nowhere else.
 
 mod analyse;
+mod answer;
 mod arguments;
 mod browser;
 mod calibrate;

@@ -79,7 +79,7 @@ pub struct Compact {
 impl Compact {
     /// The payload of a model; none where there is none, or its rotary inertia is given.
     pub fn of(model: &Model) -> Option<Self> {
-        let value = |key: &str| Some(model.theta[model.index(&format!("effects.payload.{key}")).ok()?]);
+        let value = |key: &str| model.value(&format!("effects.payload.{key}")).ok();
         let mass = value("mass").filter(|mass| *mass > 0.0)?;
         if value("rotary_inertia")? > 0.0 {
             return None;

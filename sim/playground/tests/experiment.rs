@@ -90,7 +90,7 @@ fn a_saved_experiment_is_calibrated_as_it_is() {
         ("effects.rayleigh_mass.alpha", 0.7),
         ("effects.rayleigh_stiffness.beta", 3e-3),
     ] {
-        assert_eq!(model.theta[model.index(path).unwrap()], due, "{path} starts where the page was");
+        assert_eq!(model.value(path).unwrap(), due, "{path} starts where the page was");
     }
     let outcome = calibrate(&problem, &settings, &|_: &str| {}).unwrap();
     let found = &outcome.calibration.parameters;

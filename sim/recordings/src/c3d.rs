@@ -122,19 +122,7 @@ fn shape(
         let blocks = bytes.len() / BLOCK;
         return Err(format!("its data should begin in block {block}, and it has {blocks} blocks"));
     }
-    let in_header = f64::from(processor.float(&bytes[12..16]));
-    let is_scale = |scale: &f64| scale.is_finite() && *scale != 0.0;
-    let stated = parameters.number("POINT:SCALE").filter(is_scale);
-    let mut scales: Vec<f64> = stated.into_iter().chain(Some(in_header).filter(is_scale)).collect();
-    if let [scale, header] = scales[..] {
-        // Only its sign counts for floats.
-        if scale.signum() == header.signum() && (scale < 0.0 || (scale - header).abs() <= 1e-6 * scale) {
-            scales.pop();
-        } else {
-            findings.push(format!("the header states a scale of {header}, POINT:SCALE one of {scale}"));
-        }
-    }
-
+    let scales = scales(f64::from(processor.float(&bytes[12..16])), parameters, findings);
     let (first, last) = (word(4), word(5));
     let stated = [
         long(parameters, "TRIAL:ACTUAL_END_FIELD").zip(long(parameters, "TRIAL:ACTUAL_START_FIELD")),
@@ -183,7 +171,30 @@ fn shape(
             word(3)
         ));
     }
-    let held = length / size(way);
+    let frames = frames(&counts, length / size(way), last, findings)?;
+    let first_frame = long(parameters, "TRIAL:ACTUAL_START_FIELD").unwrap_or(first);
+    let scale = (scale > 0.0).then_some(scale);
+    Ok(Shape { processor, start, points, analog, scale, first_frame, frames })
+}
+
+/// Scales of the points that the file states, the likelier one first.
+fn scales(in_header: f64, parameters: &Parameters, findings: &mut Vec<String>) -> Vec<f64> {
+    let is_scale = |scale: &f64| scale.is_finite() && *scale != 0.0;
+    let stated = parameters.number("POINT:SCALE").filter(is_scale);
+    let mut scales: Vec<f64> = stated.into_iter().chain(Some(in_header).filter(is_scale)).collect();
+    if let [scale, header] = scales[..] {
+        // Only its sign counts for floats.
+        if scale.signum() == header.signum() && (scale < 0.0 || (scale - header).abs() <= 1e-6 * scale) {
+            scales.pop();
+        } else {
+            findings.push(format!("the header states a scale of {header}, POINT:SCALE one of {scale}"));
+        }
+    }
+    scales
+}
+
+/// How many of the stated counts of frames is right, where there is room for `held`; `last` is the header's last frame.
+fn frames(counts: &[usize], held: usize, last: usize, findings: &mut Vec<String>) -> Result<usize, String> {
     // Words end at 65535, so the largest count that the file holds is the right one; and where a word
     // is full, the largest of all.
     let most = counts.iter().copied().max().filter(|most| last == FULL && *most > held);
@@ -203,9 +214,7 @@ fn shape(
             "the file has room for {held} frames, and states {frames}, the most that a word holds"
         ));
     }
-    let first_frame = long(parameters, "TRIAL:ACTUAL_START_FIELD").unwrap_or(first);
-    let scale = (scale > 0.0).then_some(scale);
-    Ok(Shape { processor, start, points, analog, scale, first_frame, frames })
+    Ok(frames)
 }
 
 /// A number in two words, the lower first.

@@ -212,15 +212,8 @@ impl Layout {
         Ok(())
     }
 
-    fn row(
-        &self,
-        rows: &Rows,
-        line: u64,
-        numbers: &mut Numbers,
-        draft: &mut Draft,
-        tally: &mut Tally,
-    ) -> Result<(), RecordingProblem> {
-        draft.places.push(line);
+    /// Frame and time of a row.
+    fn clock(&self, rows: &Rows, line: u64, numbers: &mut Numbers, draft: &mut Draft) {
         if let Some(column) = self.frame {
             let frame = numbers.read(rows.cell(column), line).ok().flatten();
             let frame = frame.filter(|frame| frame.abs() < 1e15 && frame.fract() == 0.0);
@@ -238,6 +231,18 @@ impl Layout {
                 f64::NAN
             }));
         }
+    }
+
+    fn row(
+        &self,
+        rows: &Rows,
+        line: u64,
+        numbers: &mut Numbers,
+        draft: &mut Draft,
+        tally: &mut Tally,
+    ) -> Result<(), RecordingProblem> {
+        draft.places.push(line);
+        self.clock(rows, line, numbers, draft);
         let (words, first_word) = (&mut tally.words, &mut tally.first_word);
         let mut number = |column: usize, name: &dyn Fn() -> String| {
             let cell = rows.cell(column);

@@ -54,46 +54,8 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
 
     let mut findings = Vec::new();
     let (frame, time, groups, width) = match columns {
-        Some(columns) => {
-            let at = |name: &str| columns.iter().position(|column| column == name);
-            let (frame, time) = (at("Frame"), at("Time"));
-            // Each name ends with its axis: other columns, such as residuals, have others.
-            let axes: Vec<String> =
-                columns.iter().map(|name| name.rsplit(' ').next().unwrap_or_default().to_owned()).collect();
-            let groups = groups(&axes);
-            if groups.len() != names.len() {
-                let expected = format!("columns X, Y and Z of each of {} markers", names.len());
-                return Err(RecordingProblem::Header {
-                    line,
-                    expected,
-                    met: format!("{} such groups", groups.len()),
-                });
-            }
-            let is_read =
-                |at: &usize| groups.iter().flatten().chain(&frame).chain(&time).any(|own| own == at);
-            let others = (0..columns.len()).filter(|at| !is_read(at) && !columns[*at].is_empty());
-            let others: Vec<String> = others.map(|at| columns[at].clone()).collect();
-            if !others.is_empty() {
-                findings.push(format!(
-                    "{} columns hold neither time nor position and were passed over: {}",
-                    others.len(),
-                    some(&others)
-                ));
-            }
-            (frame, time, groups, columns.len())
-        }
-        None => {
-            let width = rows.filled();
-            let first = match width as i64 - 3 * names.len() as i64 {
-                first @ 0..=2 => first as usize,
-                _ => {
-                    let expected = format!("3 numbers for each of {} markers", names.len());
-                    return Err(RecordingProblem::Header { line, expected, met: format!("{width} cells") });
-                }
-            };
-            let groups = (0..names.len()).map(|k| [0, 1, 2].map(|axis| first + 3 * k + axis)).collect();
-            ((first > 0).then_some(0), (first > 1).then_some(1), groups, width)
-        }
+        Some(columns) => by_names(&columns, names.len(), line, &mut findings)?,
+        None => by_count(rows.filled(), names.len(), line)?,
     };
     if let Some(stated) = number("NO_OF_MARKERS").filter(|stated| *stated != names.len() as f64) {
         findings.push(format!("the header states {stated} markers and names {}", names.len()));
@@ -111,4 +73,54 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         ..Layout::new(Format::Qualisys, unit, points, findings)
     }
     .read(rows)
+}
+
+/// Columns of frame and time, of each marker, and how many there are in all.
+type Places = (Option<usize>, Option<usize>, Vec<[usize; 3]>, usize);
+
+/// Places by the names of the columns.
+fn by_names(
+    columns: &[String],
+    markers: usize,
+    line: u64,
+    findings: &mut Vec<String>,
+) -> Result<Places, RecordingProblem> {
+    let at = |name: &str| columns.iter().position(|column| column == name);
+    let (frame, time) = (at("Frame"), at("Time"));
+    // Each name ends with its axis: other columns, such as residuals, have others.
+    let axes: Vec<String> =
+        columns.iter().map(|name| name.rsplit(' ').next().unwrap_or_default().to_owned()).collect();
+    let groups = groups(&axes);
+    if groups.len() != markers {
+        let expected = format!("columns X, Y and Z of each of {markers} markers");
+        return Err(RecordingProblem::Header {
+            line,
+            expected,
+            met: format!("{} such groups", groups.len()),
+        });
+    }
+    let is_read = |at: &usize| groups.iter().flatten().chain(&frame).chain(&time).any(|own| own == at);
+    let others = (0..columns.len()).filter(|at| !is_read(at) && !columns[*at].is_empty());
+    let others: Vec<String> = others.map(|at| columns[at].clone()).collect();
+    if !others.is_empty() {
+        findings.push(format!(
+            "{} columns hold neither time nor position and were passed over: {}",
+            others.len(),
+            some(&others)
+        ));
+    }
+    Ok((frame, time, groups, columns.len()))
+}
+
+/// Places in a file without names of columns: positions behind frame and time, if these are there.
+fn by_count(width: usize, markers: usize, line: u64) -> Result<Places, RecordingProblem> {
+    let first = match width as i64 - 3 * markers as i64 {
+        first @ 0..=2 => first as usize,
+        _ => {
+            let expected = format!("3 numbers for each of {markers} markers");
+            return Err(RecordingProblem::Header { line, expected, met: format!("{width} cells") });
+        }
+    };
+    let groups = (0..markers).map(|k| [0, 1, 2].map(|axis| first + 3 * k + axis)).collect();
+    Ok(((first > 0).then_some(0), (first > 1).then_some(1), groups, width))
 }

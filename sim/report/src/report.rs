@@ -44,25 +44,7 @@ pub fn report(summary: &Summary) -> String {
             format!("tip at x {x} mm, z {z} mm, {}", degrees(rest.tip_angle_rad))
         }),
     );
-    for event in &summary.events {
-        if event.kind != EventKind::Release || summary.events.len() > 1 {
-            lines.row("event", &event.name());
-        }
-        for (letter, own) in [("x", &event.x), ("z", &event.z)] {
-            if let Some(own) = own {
-                lines.row(&format!("{letter}, response"), &response(own, &millimetres));
-            } else if let Some(why) = event.missing.get(letter).filter(|_| summary.missing.len() < EXPLAINED)
-            {
-                lines.row(&format!("{letter}, response"), &format!("- {why}"));
-            }
-        }
-        for (letter, own) in [("x", &event.forced_x), ("z", &event.forced_z)] {
-            let why = event.missing.get(&format!("forced_{letter}")).map(|why| format!("- {why}"));
-            if let Some(text) = own.as_ref().map(forced).or(why) {
-                lines.row(&format!("{letter}, forced"), &text);
-            }
-        }
-    }
+    responses(&mut lines, summary, &millimetres);
     let lowest = summary.lowest.as_ref().map(|lowest| {
         format!("z {} mm at {} s", millimetres(lowest.tip_z_m), fixed(lowest.time_s.unwrap_or(0.0), 2))
     });
@@ -89,16 +71,7 @@ pub fn report(summary: &Summary) -> String {
         .map_or(String::new(), |hz| format!(", {} Hz natural (eq. 7)", fixed(hz, 3)));
     let frequency = summary.damped_frequency_hz.map(|hz| format!("{} Hz damped{natural}", fixed(hz, 3)));
     lines.entry(summary, "damped_frequency_hz", frequency);
-    let cycles = summary.cycles.as_deref().unwrap_or_default();
-    let by_cycle = match (cycles.first(), cycles.last()) {
-        (Some(first), Some(last)) => {
-            let at = |cycle: &Cycle| {
-                format!("{} at {} mm", significant(cycle.damping_ratio, 3), millimetres(cycle.amplitude_m))
-            };
-            format!("; by cycle {}, {}", at(first), at(last))
-        }
-        _ => String::new(),
-    };
+    let by_cycle = by_cycle(summary, &millimetres);
     let ratio = summary.damping_ratio.map(|ratio| format!("{} by eq. 6{by_cycle}", significant(ratio, 3)));
     lines.entry(summary, "damping_ratio", ratio);
     if let Some(of) = &summary.height {
@@ -111,13 +84,7 @@ pub fn report(summary: &Summary) -> String {
         let modes = if modes.is_empty() { "not found".to_owned() } else { listed(modes) };
         lines.row("", &format!("friction slipping: {modes}"));
     }
-    let settling = summary.settling_2_percent_s.or(summary.settling_5_percent_s).map(|_| {
-        let within =
-            |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{} s", fixed(time, 2)));
-        let [two, five] = [summary.settling_2_percent_s, summary.settling_5_percent_s].map(within);
-        format!("{two} to 2 %, {five} to 5 %")
-    });
-    lines.entry(summary, "settling_2_percent_s", settling);
+    lines.entry(summary, "settling_2_percent_s", settling(summary));
     lines.entry(
         summary,
         "peak_speed",
@@ -142,6 +109,53 @@ pub fn report(summary: &Summary) -> String {
         lines.row("warning", warning);
     }
     lines.0
+}
+
+/// Times after which the swing stays within 2 and 5 per cent of its size.
+fn settling(summary: &Summary) -> Option<String> {
+    summary.settling_2_percent_s.or(summary.settling_5_percent_s).map(|_| {
+        let within =
+            |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{} s", fixed(time, 2)));
+        let [two, five] = [summary.settling_2_percent_s, summary.settling_5_percent_s].map(within);
+        format!("{two} to 2 %, {five} to 5 %")
+    })
+}
+
+/// Damping ratios of the first and the last cycle.
+fn by_cycle(summary: &Summary, millimetres: &dyn Fn(f64) -> String) -> String {
+    let cycles = summary.cycles.as_deref().unwrap_or_default();
+    match (cycles.first(), cycles.last()) {
+        (Some(first), Some(last)) => {
+            let at = |cycle: &Cycle| {
+                format!("{} at {} mm", significant(cycle.damping_ratio, 3), millimetres(cycle.amplitude_m))
+            };
+            format!("; by cycle {}, {}", at(first), at(last))
+        }
+        _ => String::new(),
+    }
+}
+
+/// How the tip answered each event.
+fn responses(lines: &mut Lines, summary: &Summary, millimetres: &dyn Fn(f64) -> String) {
+    for event in &summary.events {
+        if event.kind != EventKind::Release || summary.events.len() > 1 {
+            lines.row("event", &event.name());
+        }
+        for (letter, own) in [("x", &event.x), ("z", &event.z)] {
+            if let Some(own) = own {
+                lines.row(&format!("{letter}, response"), &response(own, millimetres));
+            } else if let Some(why) = event.missing.get(letter).filter(|_| summary.missing.len() < EXPLAINED)
+            {
+                lines.row(&format!("{letter}, response"), &format!("- {why}"));
+            }
+        }
+        for (letter, own) in [("x", &event.forced_x), ("z", &event.forced_z)] {
+            let why = event.missing.get(&format!("forced_{letter}")).map(|why| format!("- {why}"));
+            if let Some(text) = own.as_ref().map(forced).or(why) {
+                lines.row(&format!("{letter}, forced"), &text);
+            }
+        }
+    }
 }
 
 /// Numbers of a summary that are missing from which on the first of them says enough.

@@ -17,10 +17,10 @@ use efam_store::escape::shell_word;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{OfExperiment, argv};
-use super::browser;
-use super::console::{Console, print};
-use super::experiment::{open, read};
+use super::answer::answer;
+use super::arguments::OfExperiment;
+use super::console::Console;
+use super::experiment::{open, read, request};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveFit, Recording, Rerun, Watcher, unlocked};
@@ -82,15 +82,7 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
     let calibration = &outcome.calibration;
     let models = models(&experiment, &problem, &settings, calibration)
         .map_err(|error| Failure::Usage(error.to_string()))?;
-    let request = Request {
-        name: experiment.name.clone(),
-        resolved_scenario: experiment.text().to_owned(),
-        warnings: calibration.warnings.clone(),
-        input_hashes,
-        argv: argv(),
-        wall_time_s: begin.elapsed().as_secs_f64(),
-        ..Request::default()
-    };
+    let request = Request { warnings: calibration.warnings.clone(), ..request(&experiment, begin) };
     let written = || write_calibration(&folder, &request, &problem, &outcome, &models);
     interrupt::writing(&folder, &stages, written)?;
     let live = unlocked(live).map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;
@@ -99,12 +91,10 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
     let folder = folder.finish()?;
     stages.clear();
     console.detail(format!("written to {}", folder.display()));
-    if args.of.output.form.json {
-        print(&Printed { folder: &folder, calibration })?;
-    } else if !console.quiet {
+    let output = &args.of.output;
+    answer(output, console, &folder, &Printed { folder: &folder, calibration }, || table(calibration))?;
+    if !output.form.json && !console.quiet {
         let mut out = stdout();
-        write!(out, "{}", table(calibration))?;
-        writeln!(out, "\nresults in {}", folder.display())?;
         for model in &models {
             let option = if experiment.muscle().is_some() { "--muscle " } else { "" };
             writeln!(
@@ -114,7 +104,6 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
             )?;
         }
     }
-    browser::show(args.of.output.open, &folder, console);
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
 }

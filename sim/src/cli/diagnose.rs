@@ -21,10 +21,10 @@ use models::quantity::Quantity;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{OfExperiment, argv};
-use super::browser;
+use super::answer::answer;
+use super::arguments::OfExperiment;
 use super::console::{Console, print};
-use super::experiment::{claim, load, read};
+use super::experiment::{claim, load, read, request};
 use super::failure::{Failure, of_kind};
 use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
@@ -172,29 +172,15 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     let (folder, outcome) = interrupt::during_search(folder, &stages, &ending, work);
     let outcome = outcome?;
     stages.tell("writing");
-    let request = Request {
-        name: experiment.name.clone(),
-        resolved_scenario: experiment.text().to_owned(),
-        warnings: outcome.diagnosis.warnings.clone(),
-        input_hashes,
-        argv: argv(),
-        wall_time_s: begin.elapsed().as_secs_f64(),
-        ..Request::default()
-    };
+    let request = Request { warnings: outcome.diagnosis.warnings.clone(), ..request(&experiment, begin) };
     write_diagnosis(&folder, &request, &outcome)?;
     let live = unlocked(live).map(|mut live| live.found(&outcome).map(|()| live)).transpose()?;
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
     let folder = folder.finish()?;
     stages.clear();
     console.detail(format!("written to {}", folder.display()));
-    if args.of.output.form.json {
-        print(&Printed::Diagnosed { folder: &folder, diagnosis: &outcome.diagnosis })?;
-    } else if !console.quiet {
-        let mut out = stdout();
-        write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
-        writeln!(out, "\nresults in {}", folder.display())?;
-    }
-    browser::show(args.of.output.open, &folder, console);
+    let printed = Printed::Diagnosed { folder: &folder, diagnosis: &outcome.diagnosis };
+    answer(&args.of.output, console, &folder, &printed, || diagnosis_table(&outcome.diagnosis))?;
     if signals::is_requested() {
         say(format_args!("interrupted: the results up to then are saved"));
         return Ok(signals::exit_code().into());

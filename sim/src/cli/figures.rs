@@ -1,6 +1,5 @@
 //! `efam figures`: the paper's Figures 4 to 9 from our own runs, or from the recordings of an experiment.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -15,13 +14,12 @@ use efam_store::Folder;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::answer::answer;
 use super::arguments::{Output, argv};
-use super::browser;
-use super::console::{Console, print};
+use super::console::Console;
 use super::experiment::{read, request};
 use super::failure::{Failure, of_kind};
 use super::simulate::{admit, follow};
-use super::terminal::stdout;
 use super::{interrupt, signals};
 use crate::figures::{Runs, admit as admit_experiment, of_recordings, table};
 
@@ -114,11 +112,7 @@ fn finish(
     let words = words(all);
     let written = |folder: &Folder| write_figures(folder, request, all, &words);
     let folder = interrupt::finished(folder, &console.stages(), written)?;
-    if args.output.form.json {
-        print(&Printed { folder: &folder, figures: &words })?;
-    } else if !console.quiet {
-        writeln!(stdout(), "{}\nresults in {}", table(&words), folder.display())?;
-    }
-    browser::show(args.output.open, &folder, console);
+    let printed = Printed { folder: &folder, figures: &words };
+    answer(&args.output, console, &folder, &printed, || table(&words))?;
     Ok(ExitCode::SUCCESS)
 }

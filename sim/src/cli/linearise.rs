@@ -1,6 +1,5 @@
 //! `efam linearise`: a linear model of a scenario's rod about its rest, for a controller.
 
-use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -16,13 +15,12 @@ use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::answer;
 use super::arguments::{Output, Source, argv, quantity};
-use super::browser;
-use super::console::{Console, print};
+use super::console::Console;
 use super::failure::Failure;
 use super::interrupt;
 use super::rest::{cases, load};
-use super::terminal::stdout;
 
 const HELP: &str = "Examples:
   efam linearise scenarios/release-15psi.toml
@@ -149,11 +147,7 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
     }
     let written = |folder: &Folder| write_linear(folder, &request, &answer);
     let folder = interrupt::finished(folder, &console.stages(), written)?;
-    if args.results.form.json {
-        print(&Printed { folder: &folder, linear: &answer })?;
-    } else if !console.quiet {
-        writeln!(stdout(), "{}\nresults in {}", linear_table(&answer, args.count), folder.display())?;
-    }
-    browser::show(args.results.open, &folder, console);
+    let printed = Printed { folder: &folder, linear: &answer };
+    answer::answer(&args.results, console, &folder, &printed, || linear_table(&answer, args.count))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -240,15 +240,14 @@ mod with_rerun {
 
     fn scene(case: &Case) -> Scene {
         let model = &case.model;
-        let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
         Scene {
             run_name: case.name.clone(),
             recording_id: efam_store::sha::sha256(case.resolved().as_bytes()),
             duration_s: case.run.duration,
             rod_length_m: model.rod().length,
             body_length_m: model.tip_distance,
-            payload_kg: value("effects.payload.mass"),
-            payload_com_m: value("effects.payload.center_of_mass"),
+            payload_kg: model.value_or_zero("effects.payload.mass"),
+            payload_com_m: model.value_or_zero("effects.payload.center_of_mass"),
             effects: model.exerting(),
             properties: case.warnings.iter().map(|text| ("warning".to_owned(), text.clone())).collect(),
         }

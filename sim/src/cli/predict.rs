@@ -3,7 +3,6 @@
 mod check;
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -25,12 +24,11 @@ use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::answer::answer;
 use super::arguments::{Output, ReleaseArguments, argv, once};
-use super::browser;
-use super::console::{Console, print};
+use super::console::Console;
 use super::failure::{Failure, of_kind};
 use super::live::{LiveEnsemble, Recording, Rerun};
-use super::terminal::stdout;
 use super::{interrupt, signals};
 
 const HELP: &str = "Examples:
@@ -141,33 +139,10 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(experiment) = &args.check {
         return check::run(args, experiment, console);
     }
-    let Some(rod) = args.rod() else {
-        return Err(Failure::Usage(format!(
-            "which rod? give the rod.toml of a calibration; or --muscle muscle.toml --pressure 40psi; or a built-in muscle: {}",
-            built_in()
-        )));
-    };
-    if let (RodFile::Muscle(muscle), None) = (rod, &args.pressure) {
-        return Err(Failure::Usage(format!(
-            "{muscle} is a muscle, which needs --pressure, such as --pressure 40psi"
-        )));
-    }
+    let rod = requested_rod(args)?;
     let begin = Instant::now();
     let (cases, input_hashes) = case_request(args, rod)?;
-    once("--pressure", args.pressure.as_ref(), "muscle.pressure", &args.set)?;
-    once("--payload", args.payload.as_ref(), "effects.payload.mass", &args.set)?;
-    let pressures = several("--pressure", &args.pressure, "Pa")?;
-    let payloads = several("--payload", &args.payload, "kg")?;
-    if payloads.iter().any(|payload| *payload < 0.0) {
-        let payload = args.payload.as_deref().unwrap_or_default();
-        return Err(Failure::Usage(format!("--payload {payload}: it must not be negative")));
-    }
-    if !pressures.is_empty() && !cases.has_muscle() {
-        return Err(Failure::Usage(
-            "--pressure: the scenario's rod is no muscle, and is the same at every pressure; leave it out"
-                .to_owned(),
-        ));
-    }
+    let (pressures, payloads) = grid_of(args, cases.has_muscle())?;
     // What the scenario refuses is said before a folder is opened.
     let read = cases.case(pressures.first().copied(), payloads.first().copied());
     let (mut case, known) = match rod {
@@ -212,9 +187,8 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         };
         let members = || grid.cells.iter().map(member).collect();
         let (folder, viewer) = finish(args, console, folder, &request, &members)?;
-        tell(args, console, &folder, &Printed::Several { folder: &folder, grid: &grid }, &|| {
-            grid_table(&grid)
-        })?;
+        let printed = Printed::Several { folder: &folder, grid: &grid };
+        answer(&args.output, console, &folder, &printed, || grid_table(&grid))?;
         Recording::shown(viewer, args.rerun.as_ref())?;
     } else {
         let settings = PredictionSettings { draws: args.draws, seed: args.seed };
@@ -230,10 +204,42 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         let members = || Ok(ensemble(&case, known.as_ref(), &settings));
         let (folder, viewer) = finish(args, console, folder, &request, &members)?;
         let printed = Printed::One { folder: &folder, prediction };
-        tell(args, console, &folder, &printed, &|| prediction_table(prediction))?;
+        answer(&args.output, console, &folder, &printed, || prediction_table(prediction))?;
         Recording::shown(viewer, args.rerun.as_ref())?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn requested_rod(args: &Predict) -> Result<RodFile<'_>, Failure> {
+    match (args.rod(), &args.pressure) {
+        (None, _) => Err(Failure::Usage(format!(
+            "which rod? give the rod.toml of a calibration; or --muscle muscle.toml --pressure 40psi; or a built-in muscle: {}",
+            built_in()
+        ))),
+        (Some(RodFile::Muscle(muscle)), None) => Err(Failure::Usage(format!(
+            "{muscle} is a muscle, which needs --pressure, such as --pressure 40psi"
+        ))),
+        (Some(rod), _) => Ok(rod),
+    }
+}
+
+/// The requested pressures, Pa, and payloads, kg; none where the rod's own is meant.
+fn grid_of(args: &Predict, has_muscle: bool) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    once("--pressure", args.pressure.as_ref(), "muscle.pressure", &args.set)?;
+    once("--payload", args.payload.as_ref(), "effects.payload.mass", &args.set)?;
+    let pressures = several("--pressure", &args.pressure, "Pa")?;
+    let payloads = several("--payload", &args.payload, "kg")?;
+    if payloads.iter().any(|payload| *payload < 0.0) {
+        let payload = args.payload.as_deref().unwrap_or_default();
+        return Err(Failure::Usage(format!("--payload {payload}: it must not be negative")));
+    }
+    if !pressures.is_empty() && !has_muscle {
+        return Err(Failure::Usage(
+            "--pressure: the scenario's rod is no muscle, and is the same at every pressure; leave it out"
+                .to_owned(),
+        ));
+    }
+    Ok((pressures, payloads))
 }
 
 /// Shows the rods if that is requested, and gives the folder its name, unless it is interrupted.
@@ -260,22 +266,6 @@ fn finish(
 fn cell_name(cell: &Cell) -> String {
     let payload = format_si(cell.payload_kg, "kg");
     cell.pressure_pa.map_or(payload.clone(), |pressure| format!("{}, {payload}", format_si(pressure, "Pa")))
-}
-
-fn tell(
-    args: &Predict,
-    console: &Console,
-    folder: &Path,
-    printed: &Printed,
-    table: &dyn Fn() -> String,
-) -> Result<(), Failure> {
-    if args.output.form.json {
-        print(printed)?;
-    } else if !console.quiet {
-        writeln!(stdout(), "{}\nresults in {}", table(), folder.display())?;
-    }
-    browser::show(args.output.open, folder, console);
-    Ok(())
 }
 
 /// The request, in words: `40psi with 80g`.

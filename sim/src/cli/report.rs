@@ -1,6 +1,5 @@
 //! `efam report`: comparison of runs.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -12,11 +11,10 @@ use efam_report::reread::{Reread, RereadError, reread};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::answer::answer;
 use super::arguments::{Output, argv};
-use super::browser;
-use super::console::{Console, print};
+use super::console::Console;
 use super::failure::Failure;
-use super::terminal::stdout;
 
 const HELP: &str = "Examples:
   efam report outputs/beam outputs/loaded-beam
@@ -58,12 +56,8 @@ pub fn run(args: &Report, console: &Console) -> Result<ExitCode, Failure> {
     let request = Request { wall_time_s: begin.elapsed().as_secs_f64(), ..request };
     write_comparison(&folder, &request, &runs, &comparison)?;
     let folder = folder.finish()?;
-    if args.output.form.json {
-        print(&Printed { folder: &folder, comparison: &comparison })?;
-    } else if !console.quiet {
-        writeln!(stdout(), "{}\nresults in {}", comparison_table(&comparison), folder.display())?;
-    }
-    browser::show(args.output.open, &folder, console);
+    let printed = Printed { folder: &folder, comparison: &comparison };
+    answer(&args.output, console, &folder, &printed, || comparison_table(&comparison))?;
     Ok(ExitCode::SUCCESS)
 }
 

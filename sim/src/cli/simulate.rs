@@ -169,37 +169,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
         .collect();
     let wall_time_s = begin.elapsed().as_secs_f64();
     progress.finish_and_clear();
-    let mut done: Vec<Member> = Vec::with_capacity(runs.len());
-    let mut series = Vec::new();
-    for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
-        let run: Settled = run?;
-        let warnings = simulate::warnings(case, &run);
-        let case = case.run_as(&run.model, &run.run);
-        console.warn(&warnings);
-        let own = Request {
-            name: case.name.clone(),
-            resolved_scenario: case.resolved(),
-            warnings: case.warnings.iter().cloned().chain(warnings).collect(),
-            wall_time_s,
-            errors: run.errors,
-            ..request.clone()
-        };
-        console.detail(format!("{}: analysis, tables and pages", case.name));
-        let within = is_sweep.then_some(case.name.as_str());
-        let run = run.trajectory;
-        let summary = match &folder {
-            Some(folder) => efam_report::write_run(folder, within, &own, &case.model, &case.run, &run)?,
-            None => told(&own, &case.model, &case.run, &run).summary,
-        };
-        console.detail(integrated(&summary));
-        let table = || Table::new(&case.model, &run, case.run.energy);
-        series.push(args.trajectory.map(|of| table().series(of == Of::Nodes)));
-        done.push(if is_sweep && folder.is_some() {
-            Member::of_set(done.len(), summary, case.pressure, &case.model, run)
-        } else {
-            Member::new(summary, case.pressure, run)
-        });
-    }
+    let (done, series) = written(args, console, folder.as_ref(), (&scenario, &request), &cases, runs)?;
     if let (Some(folder), true) = (&folder, is_sweep) {
         let remarks = is_the_papers(&scenario).then(|| beside_the_paper(&done));
         let request = Request { wall_time_s, ..request };
@@ -222,6 +192,50 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
         browser::show(args.output.open, folder, console);
     }
     outcome(folder, &done)
+}
+
+/// Writes what was simulated; the members with the samples that are printed.
+fn written(
+    args: &Simulate,
+    console: &Console,
+    folder: Option<&Folder>,
+    (scenario, request): (&Scenario, &Request),
+    cases: &[Case],
+    runs: Vec<(Result<Settled, Failure>, f64)>,
+) -> Result<(Vec<Member>, Vec<Option<Series>>), Failure> {
+    let is_sweep = scenario.is_all_rows();
+    let mut done: Vec<Member> = Vec::with_capacity(runs.len());
+    let mut series = Vec::new();
+    for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
+        let run: Settled = run?;
+        let warnings = simulate::warnings(case, &run);
+        let case = case.run_as(&run.model, &run.run);
+        console.warn(&warnings);
+        let own = Request {
+            name: case.name.clone(),
+            resolved_scenario: case.resolved(),
+            warnings: case.warnings.iter().cloned().chain(warnings).collect(),
+            wall_time_s,
+            errors: run.errors,
+            ..request.clone()
+        };
+        console.detail(format!("{}: analysis, tables and pages", case.name));
+        let within = is_sweep.then_some(case.name.as_str());
+        let run = run.trajectory;
+        let summary = match folder {
+            Some(folder) => efam_report::write_run(folder, within, &own, &case.model, &case.run, &run)?,
+            None => told(&own, &case.model, &case.run, &run).summary,
+        };
+        console.detail(integrated(&summary));
+        let table = || Table::new(&case.model, &run, case.run.energy);
+        series.push(args.trajectory.map(|of| table().series(of == Of::Nodes)));
+        done.push(if is_sweep && folder.is_some() {
+            Member::of_set(done.len(), summary, case.pressure, &case.model, run)
+        } else {
+            Member::new(summary, case.pressure, run)
+        });
+    }
+    Ok((done, series))
 }
 
 fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {

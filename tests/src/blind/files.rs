@@ -34,7 +34,7 @@ pub fn recordings(problem: &Problem) -> Vec<(String, String)> {
 /// If the models are not those of [`super::problem`].
 pub fn experiment(name: &str, problem: &Problem, drawn: &Drawn) -> String {
     let model = &problem.trials[0].model;
-    let value = |path: &str| model.theta[model.index(path).expect("it is there")];
+    let value = |path: &str| model.value(path).expect("it is there");
     let mut text = format!(
         "# Drawn by blind_bench. What is hidden stands in truth.csv, which no diagnosis reads.\n\
          name = \"{name}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n[rod]\nnodes = {}\n\n{AS_DRAWN}",

@@ -40,7 +40,7 @@ pub fn problem(drawn: &Drawn) -> Problem {
     // A balance: to a per cent.
     let weighed = |path: &str| {
         let model = &trials[0].model;
-        let mean = model.theta[model.index(path).expect("there")];
+        let mean = model.value(path).expect("there");
         let prior = Some(Prior { mean, deviation: 0.01 * mean / 3f64.sqrt() });
         FittedParameter { prior, ..FittedParameter::new(path, Scope::Shared) }
     };
@@ -91,7 +91,7 @@ pub fn decoyed(problem: &mut Problem) {
         ("effects.rayleigh_stiffness.beta", 1.3),
     ];
     for (path, off) in starts {
-        let start = off * model.theta[model.index(path).expect("there")];
+        let start = off * model.value(path).expect("there");
         let own = problem.parameters.iter_mut().filter(|parameter| parameter.path == path);
         own.for_each(|parameter| parameter.start = Some(start));
     }

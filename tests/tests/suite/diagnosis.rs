@@ -234,7 +234,7 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
     assert!((sizes[1] / (2.0 * typical) - 1.0).abs() < 0.1, "{sizes:?}");
     // At the held-out pressure it has the size that was fitted there.
     let locked = &repaired.trials[2].model;
-    let own = locked.theta[locked.index("effects.viscoelastic.branch_stiffness").expect("it is there")];
+    let own = locked.value("effects.viscoelastic.branch_stiffness").expect("it is there");
     assert!((own / typical - 1.0).abs() < 0.1, "{own}");
     assert!(worst_gap(&found) < 1.25, "{:?}", found.gap);
 }
@@ -300,7 +300,7 @@ mod not_met {
         // So does the clamp of every model that is given back, of held-out releases as well.
         let stated = [0.0, -25.0f64.to_radians()];
         for (k, trial) in answer.repaired.trials.iter().enumerate() {
-            let clamp = trial.model.theta[trial.model.index("rod.base_angle").expect("a rod has one")];
+            let clamp = trial.model.value("rod.base_angle").expect("a rod has one");
             assert!((clamp - stated[k % 2] - truth).abs() < 0.2 * truth.abs(), "{clamp} rad of release {k}");
         }
     }

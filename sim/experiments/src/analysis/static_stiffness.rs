@@ -41,7 +41,7 @@ const LEVEL: f64 = 1e-3;
 
 /// Why the paper's beam is not fitted to a rod: it is clamped level.
 pub fn no_beam(model: &Model) -> Option<String> {
-    let angle = model.index("rod.base_angle").map_or(0.0, |k| model.theta[k]);
+    let angle = model.value_or_zero("rod.base_angle");
     (angle.abs() > LEVEL).then(|| {
         format!(
             "not fitted: the paper's beam is clamped level, this base is inclined by {:.1} deg",
@@ -99,10 +99,12 @@ const STEP: f64 = 1e-3;
 
 /// The rod as the paper's beam, with the rod's own bending stiffness; end fitting and payload are one weight at their common centre of mass.
 pub fn beam(model: &Model) -> EulerBernoulli {
-    let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
-    let gravity = value("effects.gravity.acceleration");
+    let gravity = model.value_or_zero("effects.gravity.acceleration");
     let bodies = ["end_fitting", "payload"].map(|name| {
-        (value(&format!("effects.{name}.mass")), value(&format!("effects.{name}.center_of_mass")))
+        (
+            model.value_or_zero(&format!("effects.{name}.mass")),
+            model.value_or_zero(&format!("effects.{name}.center_of_mass")),
+        )
     });
     let mass: f64 = bodies.iter().map(|(mass, _)| mass).sum();
     let moment: f64 = bodies.iter().map(|(mass, at)| mass * at).sum();

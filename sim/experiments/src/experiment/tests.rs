@@ -85,7 +85,7 @@ fn a_model_is_that_of_a_scenario_with_the_recordings_own_pressure_and_payload() 
     let experiment = load(&text, &["recording[1].pressure=20 psi"]).unwrap();
     let at = |k: usize, path: &str| {
         let model = experiment.case(k, Some(0.2)).unwrap().unwrap().model;
-        model.theta[model.index(path).unwrap()]
+        model.value(path).unwrap()
     };
     let scenario = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"20 psi\"\n";
     let scenario = crate::scenario::Scenario::parse(Path::new("s.toml"), scenario, &[]).unwrap();
@@ -101,7 +101,7 @@ fn a_model_is_that_of_a_scenario_with_the_recordings_own_pressure_and_payload() 
     let turned = load(&two, &[]).unwrap();
     let clamp = |k: usize| {
         let model = turned.case(k, None).unwrap().unwrap().model;
-        model.theta[model.index("rod.base_angle").unwrap()]
+        model.value("rod.base_angle").unwrap()
     };
     assert_eq!([clamp(0), clamp(1)], [3f64, -20.0].map(f64::to_radians));
 }

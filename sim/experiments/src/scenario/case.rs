@@ -106,6 +106,21 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// Where a model of the scenario starts.
+    fn initial(&self, model: &Model, warnings: &mut Vec<String>) -> Result<Initial, ScenarioError> {
+        Ok(match &self.plan.from {
+            From::Straight => Initial::Straight,
+            From::HeldBy(holder) => {
+                let end_angle = (*holder == Holder::Hand).then_some(self.plan.angle);
+                let hold = models::statics::Hold { direction: self.plan.angle, end_angle };
+                let (hold, own) = held(model, &hold).map_err(|error| self.of_model("release.", error))?;
+                Initial::Equilibrium { hold: Box::new(hold), own }
+            }
+            From::Equilibrium(hold) => self.held(hold, model, warnings)?,
+            From::Points(points) => self.curve(points, model, warnings)?,
+        })
+    }
+
     fn case(&self, name: String, pressure: Option<f64>) -> Result<Case, ScenarioError> {
         let plan = &**self.plan;
         let mut warnings = Vec::new();
@@ -165,18 +180,7 @@ impl Builder<'_> {
         warnings.extend(model.axial_warning());
         let center = model.index("effects.end_fitting.center_of_mass").map(|k| model.theta[k]);
         model.tip_distance = plan.tip.unwrap_or(center.unwrap_or_default());
-        let initial = match &plan.from {
-            From::Straight => Initial::Straight,
-            From::HeldBy(holder) => {
-                let end_angle = (*holder == Holder::Hand).then_some(plan.angle);
-                let hold = models::statics::Hold { direction: plan.angle, end_angle };
-                let (hold, own) = held(&model, &hold).map_err(|error| self.of_model("release.", error))?;
-                Initial::Equilibrium { hold: Box::new(hold), own }
-            }
-            From::Equilibrium(hold) => self.held(hold, &model, &mut warnings)?,
-            From::Points(points) => self.curve(points, &model, &mut warnings)?,
-        };
-        let run = Run { initial, ..plan.run.clone() };
+        let run = Run { initial: self.initial(&model, &mut warnings)?, ..plan.run.clone() };
         if run.history.is_some() && model.memory() == 0 {
             warnings
                 .push("release.history: no effect of this model has a memory, so it changes nothing".into());

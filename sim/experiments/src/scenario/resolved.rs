@@ -72,21 +72,17 @@ fn rod(out: &mut String, model: &Model, has: &dyn Fn(usize) -> bool) {
     *out += "\n[rod]\n";
     put(out, "nodes", model.edges + 1);
     put(out, "scheme", quoted(if model.scheme == Scheme::Paper { "paper" } else { "consistent" }));
-    put(out, "base_angle", si(value(model, "rod.base_angle"), "rad"));
+    put(out, "base_angle", si(model.value_or_zero("rod.base_angle"), "rad"));
     put(out, "tip", si(model.tip_distance, "m"));
     for (_, (key, unit)) in ROD.into_iter().enumerate().filter(|(k, _)| has(*k)) {
-        put(out, key, si(value(model, &format!("rod.{key}")), unit));
+        put(out, key, si(model.value_or_zero(&format!("rod.{key}")), unit));
     }
-}
-
-fn value(model: &Model, path: &str) -> f64 {
-    model.index(path).map_or(0.0, |k| model.theta[k])
 }
 
 /// Where the rod starts.
 fn start(out: &mut String, model: &Model, run: &Run) {
     let [base, angle, rate] =
-        ["rod.base_angle", "release.angle", "release.angular_velocity"].map(|path| value(model, path));
+        ["rod.base_angle", "release.angle", "release.angular_velocity"].map(|path| model.value_or_zero(path));
     let is_kinked = model.effect("clamp_compliance").is_none() && is_kinked(base, angle);
     *out += "\n[release]\n";
     let is_straight = matches!(run.initial, Initial::Straight);

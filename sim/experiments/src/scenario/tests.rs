@@ -31,7 +31,7 @@ fn error(text: &str, overrides: &[&str]) -> String {
 }
 
 fn value(case: &Case, path: &str) -> f64 {
-    case.model.theta[case.model.index(path).unwrap()]
+    case.model.value(path).unwrap()
 }
 
 #[test]

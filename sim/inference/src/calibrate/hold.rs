@@ -34,10 +34,9 @@ const NODES: usize = 17;
 /// the time in which the end falls by that length, the moment of such a force, and its rate.
 /// Source: a cantilever under a load at its end, `P = 3 EI w / L³`.
 pub(crate) fn sizes(model: &Model) -> Result<[f64; 6], ModelError> {
-    let value = |path: &str| Ok(model.theta[model.index(path)?]);
     let rod = model.rod();
-    let mass = rod.mass + value("effects.end_fitting.mass")? + value("effects.payload.mass")?;
-    let gravity = value("effects.gravity.acceleration")?;
+    let mass = rod.mass + model.value("effects.end_fitting.mass")? + model.value("effects.payload.mass")?;
+    let gravity = model.value("effects.gravity.acceleration")?;
     let force = 3.0 * rod.bending_stiffness / rod.length.powi(2) + mass * gravity;
     let rate = force / (rod.length / gravity.max(1.0)).sqrt();
     Ok([force, force, rate, rate, force * rod.length, rate * rod.length])

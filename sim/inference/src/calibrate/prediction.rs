@@ -210,7 +210,7 @@ impl Member<'_> {
         request: RunRequest,
         slopes: Option<Slopes>,
     ) -> Result<Prediction, ForwardError> {
-        let Self { trial, measured, locals, unknowns } = *self;
+        let Self { trial, measured, .. } = *self;
         let RunRequest { count, fidelity, .. } = request;
         let (theta, instant) = self.values(x);
         let watched: Vec<usize> = match slopes {
@@ -255,52 +255,69 @@ impl Member<'_> {
             steps_in_all: path.steps.len(),
         };
         if let Some(slopes) = slopes {
-            let difference = match slopes {
-                Slopes::Differences if slips() => DIFFERENCE_WITH_FRICTION,
-                _ => DIFFERENCE,
-            };
-            let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
-                (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
-                    let mut aside = x.clone();
-                    aside[locals[l].unknown] += difference;
-                    let steps = Steps::Repeated(path.steps.clone());
-                    self.predict(&aside, RunRequest { count, fidelity, steps }, None).map(Some)
-                }
-                _ => Ok(None),
-            };
-            let moved = in_order::<_, Result<Vec<Option<Prediction>>, ForwardError>>(
-                locals.par_iter().enumerate().map(moved),
-            )?;
-            prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
-            let chain: Vec<f64> =
-                locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
-            for track in 0..tracks {
-                let row = |sample: usize| {
-                    let found = path.points_by_parameters.get(sample);
-                    let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
-                    let is_held = path.times[sample] <= 0.0;
-                    let of_local =
-                        |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local.acts {
-                            _ if moved.is_some() => {
-                                let aside =
-                                    moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
-                                let here = prediction.position[track][sample];
-                                [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
-                            }
-                            Acts::Theta(_) | Acts::OnTheta(_) => {
-                                by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
-                            }
-                            Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
-                            Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
-                            Acts::Offset { track: own, axis } => {
-                                [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
-                            }
-                        };
-                    locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
-                };
-                prediction.slopes.push((0..count).map(row).collect());
-            }
+            self.add_slopes(&mut prediction, x, slopes, &path, (count, fidelity))?;
         }
         Ok(prediction)
+    }
+
+    /// Adds the slopes of a prediction that was simulated along a path.
+    fn add_slopes(
+        &self,
+        prediction: &mut Prediction,
+        x: &DVector<f64>,
+        slopes: Slopes,
+        path: &Trajectory,
+        (count, fidelity): (usize, Fidelity),
+    ) -> Result<(), ForwardError> {
+        let Self { trial, locals, unknowns, .. } = *self;
+        let tracks = trial.release.tracks.len();
+        let difference = match slopes {
+            Slopes::Differences if self.trial.with(&self.values(x).0).0.slipping().is_some() => {
+                DIFFERENCE_WITH_FRICTION
+            }
+            _ => DIFFERENCE,
+        };
+        let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
+            (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
+                let mut aside = x.clone();
+                aside[locals[l].unknown] += difference;
+                let steps = Steps::Repeated(path.steps.clone());
+                self.predict(&aside, RunRequest { count, fidelity, steps }, None).map(Some)
+            }
+            _ => Ok(None),
+        };
+        let moved = in_order::<_, Result<Vec<Option<Prediction>>, ForwardError>>(
+            locals.par_iter().enumerate().map(moved),
+        )?;
+        prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
+        let chain: Vec<f64> =
+            locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
+        for track in 0..tracks {
+            let row = |sample: usize| {
+                let found = path.points_by_parameters.get(sample);
+                let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
+                let is_held = path.times[sample] <= 0.0;
+                let of_local = |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local
+                    .acts
+                {
+                    _ if moved.is_some() => {
+                        let aside = moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
+                        let here = prediction.position[track][sample];
+                        [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
+                    }
+                    Acts::Theta(_) | Acts::OnTheta(_) => {
+                        by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
+                    }
+                    Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
+                    Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
+                    Acts::Offset { track: own, axis } => {
+                        [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
+                    }
+                };
+                locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
+            };
+            prediction.slopes.push((0..count).map(row).collect());
+        }
+        Ok(())
     }
 }

@@ -163,7 +163,7 @@ pub mod tests {
     pub fn released(changed: &[(&str, f64)], angle: f64, seed: u64) -> Trial {
         let mut model = muscle_at_15_psi();
         for (path, times) in changed {
-            let own = model.theta[model.index(path).unwrap()];
+            let own = model.value(path).unwrap();
             model.set(path, times * own).unwrap();
         }
         model.set("release.angle", angle).unwrap();

@@ -72,8 +72,7 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
 
 /// What the model of the heaviest payload leaves out, which what is fitted takes up.
 pub(super) fn of_left_out(problem: &Problem) -> Vec<String> {
-    let payload =
-        |trial: &Trial| trial.model.index("effects.payload.mass").map_or(0.0, |mass| trial.model.theta[mass]);
+    let payload = |trial: &Trial| trial.model.value_or_zero("effects.payload.mass");
     let heaviest = problem.trials().max_by(|a, b| payload(a).total_cmp(&payload(b)));
     heaviest.map_or_else(Vec::new, |own| left_out::warnings(&own.model, own.release.pressure.is_some(), 1))
 }

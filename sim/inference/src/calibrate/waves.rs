@@ -88,7 +88,7 @@ mod tests {
     fn waves_are_damped_and_that_is_said() {
         let beta = |problem: &Problem| {
             let model = &problem.trials[0].model;
-            model.theta[model.index(BETA).expect("a muscle has it")]
+            model.value(BETA).expect("a muscle has it")
         };
         let held = problem(0.0, "effects.rayleigh_mass.alpha");
         let least = least(&held).expect("it has a rest");

@@ -224,7 +224,7 @@ impl Making<'_> {
             (unknown.limits, unknown.pressure) = (limits, *pressure);
             unknown.is_own = own.scope == Scope::PerRelease;
             let first = &self.trials[group[0]].model;
-            let of_model = first.theta[first.index(&own.path)?];
+            let of_model = first.value(&own.path)?;
             if of_model > 0.0 {
                 unknown.start = scaled.place(of_model, own.start.unwrap_or(of_model)).clamp(-3.0, 3.0);
             }
@@ -288,7 +288,7 @@ impl Making<'_> {
             for (path, unit, size) in pulls(trial)? {
                 let name = label(path.rsplit('.').next().unwrap_or(path));
                 let mut pull = Unknown::setup("hand", &name, unit, Scaled::Normal(0.0, size));
-                let value = trial.model.theta[trial.model.index(path)?];
+                let value = trial.model.value(path)?;
                 pull.start = (value / size).clamp(-6.0, 6.0);
                 self.acting(pull, &[path], |own| own == r)?;
             }

@@ -21,7 +21,7 @@ use super::interval::{Change, carried};
 use super::mesh_of;
 use super::model_error::ModelError;
 use super::quantity::{QUANTITIES, Quantity, units};
-use super::simulated::{simulate, value};
+use super::simulated::simulate;
 use super::warnings::{Extent, outside, warnings};
 use crate::ordered::in_order;
 
@@ -177,7 +177,7 @@ fn predict_case(case: &Case, known: Option<&Known>, errors: Option<&Errors>) -> 
     let run = Run { energy: false, ..case.run.clone() };
     let mut cell = Cell {
         pressure_pa: case.pressure,
-        payload_kg: value(&case.model, "effects.payload.mass"),
+        payload_kg: case.model.value_or_zero("effects.payload.mass"),
         ..Cell::default()
     };
     let model = errors.map_or(&case.model, |errors| &errors.model);

@@ -74,7 +74,7 @@ impl Calibrated {
     /// Of what a calibration knows.
     pub fn of(case: &Case, known: &Known) -> Self {
         let errors = Errors::new(known, case);
-        let payload = super::simulated::value(&case.model, "effects.payload.mass");
+        let payload = case.model.value_or_zero("effects.payload.mass");
         // Small motions go nowhere.
         let extent = Extent { pressures: case.pressure.as_slice(), payloads: &[payload], excursion: 0.0 };
         let mut warnings = warnings(&extent, Some(known), std::slice::from_ref(&errors));

@@ -33,7 +33,7 @@ use errors::Errors;
 use interval::of_draws;
 use model_error::ModelError;
 use quantity::{Off, QUANTITIES, Quantity, REST, seen};
-use simulated::{Mesh, Simulated, simulate, simulate_many, value};
+use simulated::{Mesh, Simulated, simulate, simulate_many};
 use warnings::{Extent, warnings};
 
 /// How a prediction is made.
@@ -162,7 +162,7 @@ pub fn predict(
     let mut prediction = Prediction {
         name: case.name.clone(),
         pressure_pa: case.pressure,
-        payload_kg: value(&case.model, "effects.payload.mass"),
+        payload_kg: case.model.value_or_zero("effects.payload.mass"),
         quantities: own.quantities(|k, value| {
             let drawn = all.iter().filter_map(|one| one.numbers[k]).collect();
             Some(widened(QUANTITIES[k].off, value, of_draws(value, drawn, all.len())?))

@@ -202,8 +202,3 @@ impl Mesh {
         }
     }
 }
-
-/// A parameter of a model, zero where it has none.
-pub(super) fn value(model: &Model, path: &str) -> f64 {
-    model.index(path).map_or(0.0, |k| model.theta[k])
-}

@@ -7,7 +7,7 @@ use efam_experiments::analyse::Analysed;
 use efam_experiments::analysis::AnalysisError;
 use efam_experiments::analysis::bending_stiffness::StiffnessFit;
 use efam_experiments::analysis::decay::Cycle;
-use efam_experiments::analysis::measured::COUNTED_LATER;
+use efam_experiments::analysis::measured::{COUNTED_LATER, Measured};
 use efam_experiments::cleaning::{BasePose, Cleaned, mm};
 use efam_experiments::out_of_plane;
 use models::digits::{fixed, with_error};
@@ -88,59 +88,7 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     }
     match &one.measured {
         Err(error) => line("frequency", error.to_string()),
-        Ok(measured) => {
-            match &measured.damped_frequency {
-                Ok(omega) => {
-                    let error = measured.frequency_error().map_or(String::new(), |error| {
-                        format!(", cycles agree to {} %", fixed(1e2 * error, 2))
-                    });
-                    line("coordinate", measured.coordinate.name());
-                    line("damped frequency", format!("{:.3} Hz by the spectrum{error}", omega / TAU));
-                }
-                Err(why) => line("damped frequency", why.clone()),
-            }
-            if let Ok(decay) = &measured.decay {
-                let (natural, ratio) = (decay.natural_frequency / TAU, decay.damping_ratio);
-                let count = measured.peaks.len();
-                line("natural frequency", format!("{natural:.3} Hz by eq. 7"));
-                let residual = 1e3 * decay.rms_residual;
-                line(
-                    "damping ratio",
-                    format!(
-                        "{} by eq. 6 on {count} upper peaks, which leave {} mm rms",
-                        with_error(ratio, decay.ratio_error),
-                        fixed(residual, 3)
-                    ),
-                );
-            }
-            if let Some(warning) = one.few_samples() {
-                line("  warning", warning);
-            }
-            if let Ok([first, .., last]) = measured.cycles.as_deref() {
-                let at = |cycle: &Cycle| {
-                    let ratio = with_error(cycle.damping_ratio, cycle.ratio_error);
-                    format!("{ratio} at {} mm", fixed(1e3 * cycle.amplitude, 2))
-                };
-                line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
-            }
-            if measured.since > 0.0 {
-                line("  counted from", format!("{:.2} s on: {COUNTED_LATER}", measured.since));
-            }
-            let bridged = &measured.bridged;
-            if bridged.filled > 0 {
-                let longest = 1e3 * bridged.longest;
-                line(
-                    "bridged",
-                    format!(
-                        "{} samples, gaps of up to {longest:.0} ms, for the spectrum and peaks only",
-                        bridged.filled
-                    ),
-                );
-            }
-            if let Some(at) = bridged.cut_at {
-                line("left out", format!("all after {at:.2} s, where a gap is too long to be bridged"));
-            }
-        }
+        Ok(measured) => swing_facts(one, measured, &mut line),
     }
     match &one.in_motion {
         None => {}
@@ -159,6 +107,66 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         line("Euler-Bernoulli", why.clone());
     }
     write!(out, "{facts}")?;
+    stiffness_table(out, one)
+}
+
+/// Frequency, damping, and the samples that show them.
+fn swing_facts(one: &Analysed, measured: &Measured, line: &mut dyn FnMut(&str, String)) {
+    match &measured.damped_frequency {
+        Ok(omega) => {
+            let error = measured
+                .frequency_error()
+                .map_or(String::new(), |error| format!(", cycles agree to {} %", fixed(1e2 * error, 2)));
+            line("coordinate", measured.coordinate.name());
+            line("damped frequency", format!("{:.3} Hz by the spectrum{error}", omega / TAU));
+        }
+        Err(why) => line("damped frequency", why.clone()),
+    }
+    if let Ok(decay) = &measured.decay {
+        let (natural, ratio) = (decay.natural_frequency / TAU, decay.damping_ratio);
+        let count = measured.peaks.len();
+        line("natural frequency", format!("{natural:.3} Hz by eq. 7"));
+        let residual = 1e3 * decay.rms_residual;
+        line(
+            "damping ratio",
+            format!(
+                "{} by eq. 6 on {count} upper peaks, which leave {} mm rms",
+                with_error(ratio, decay.ratio_error),
+                fixed(residual, 3)
+            ),
+        );
+    }
+    if let Some(warning) = one.few_samples() {
+        line("  warning", warning);
+    }
+    if let Ok([first, .., last]) = measured.cycles.as_deref() {
+        let at = |cycle: &Cycle| {
+            let ratio = with_error(cycle.damping_ratio, cycle.ratio_error);
+            format!("{ratio} at {} mm", fixed(1e3 * cycle.amplitude, 2))
+        };
+        line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
+    }
+    if measured.since > 0.0 {
+        line("  counted from", format!("{:.2} s on: {COUNTED_LATER}", measured.since));
+    }
+    let bridged = &measured.bridged;
+    if bridged.filled > 0 {
+        let longest = 1e3 * bridged.longest;
+        line(
+            "bridged",
+            format!(
+                "{} samples, gaps of up to {longest:.0} ms, for the spectrum and peaks only",
+                bridged.filled
+            ),
+        );
+    }
+    if let Some(at) = bridged.cut_at {
+        line("left out", format!("all after {at:.2} s, where a gap is too long to be bridged"));
+    }
+}
+
+/// Bending stiffness from the tip at rest, by each model and search.
+fn stiffness_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     if one.at_rest.is_empty() {
         return Ok(());
     }

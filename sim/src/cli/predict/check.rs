@@ -1,6 +1,5 @@
 //! `efam predict --check`: predictions beside the recordings of an experiment.
 
-use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -15,12 +14,11 @@ use efam_report::experiment::input_hashes;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::super::answer::answer;
 use super::super::arguments::argv;
-use super::super::browser;
-use super::super::console::{Console, print};
+use super::super::console::Console;
 use super::super::experiment::read;
 use super::super::failure::{Failure, of_kind};
-use super::super::terminal::stdout;
 use super::super::{interrupt, signals};
 use super::{Predict, case_request};
 
@@ -73,11 +71,7 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
         Request { warnings: check.warnings.clone(), wall_time_s: begin.elapsed().as_secs_f64(), ..request };
     let folder = interrupt::finished(folder, &stages, |folder| write_check(folder, &done, &check))?;
     stages.clear();
-    if args.output.form.json {
-        print(&super::Printed::Check(Printed { folder: &folder, check: &check }))?;
-    } else if !console.quiet {
-        writeln!(stdout(), "{}\nresults in {}", check_table(&check), folder.display())?;
-    }
-    browser::show(args.output.open, &folder, console);
+    let printed = super::Printed::Check(Printed { folder: &folder, check: &check });
+    answer(&args.output, console, &folder, &printed, || check_table(&check))?;
     Ok(ExitCode::SUCCESS)
 }

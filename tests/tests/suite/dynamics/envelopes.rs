@@ -51,7 +51,7 @@ impl Swing {
     }
 
     fn mass(&self) -> f64 {
-        self.model.theta[self.model.index("effects.end_fitting.mass").expect("baseline")]
+        self.model.value("effects.end_fitting.mass").expect("baseline")
     }
 
     fn angular_frequency(&self) -> f64 {

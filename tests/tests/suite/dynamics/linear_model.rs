@@ -100,7 +100,7 @@ fn static_gains_are_differences_of_rests() {
                     input => format!("effects.tip_load.{input}"),
                 };
                 let mut model = model.with_effect("tip_load", &[]).expect("a load");
-                model.set(&path, model.theta[model.index(&path).unwrap()] + by).expect("in its range");
+                model.set(&path, model.value(&path).unwrap() + by).expect("in its range");
                 tip_at(&model, 0.0)
             }
         };

@@ -89,7 +89,7 @@ fn a_ramp_stretches_a_mass_as_one_equation_says() {
     let rows = [(0.0, 15.0 * PSI), (0.01, 15.0 * PSI), (0.03, 20.0 * PSI)];
     let beta = 8e-3;
     let mut model = drifting(&rows, 0.0, &[("rayleigh_stiffness.beta", beta), ("gravity.acceleration", 0.0)]);
-    let mass = model.theta[model.index("effects.end_fitting.mass").expect("baseline")];
+    let mass = model.value("effects.end_fitting.mass").expect("baseline");
     model.set("rod.mass", 1e-6 * mass).expect("positive");
     let arm = model.tip_distance;
     let path = simulate(&model, &Run { tolerance: 1e-7, ..Run::release(0.2, 1000.0) });

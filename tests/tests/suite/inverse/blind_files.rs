@@ -101,7 +101,7 @@ fn same_models(own: &Trial, asked: &Trial) {
     for other in others {
         assert!(
             ["effects.payload.", "effects.enclosed_air."].iter().any(|own| other.path.starts_with(own))
-                && own.model.theta[own.model.index(&other.path).unwrap()] == 0.0,
+                && own.model.value(&other.path).unwrap() == 0.0,
             "{}",
             other.path
         );

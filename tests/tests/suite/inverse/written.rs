@@ -162,7 +162,7 @@ fn check(seed: u64) {
         own.warnings.iter().any(|warning| warning.contains("cannot tell rod.bending_stiffness from zero"));
     assert!(own.failed_draws == 0 || is_undetermined, "{seed}: {:?}\n{}", own.warnings, file.text);
     // An angle replaces what the file says of the start.
-    let base = found.model.theta[found.model.index("rod.base_angle").expect("a clamp")];
+    let base = found.model.value("rod.base_angle").expect("a clamp");
     let turned = ReleaseOptions { angle: Some(base + 0.3), ..ReleaseOptions::default() };
     let [x, z] = simulated(&case(&file.text, &turned.overrides()), vec![0.0])[0][1];
     let off = (z.atan2(x) - base - 0.3 + 1.0).rem_euclid(std::f64::consts::TAU) - 1.0;
