@@ -2,6 +2,7 @@
 
 mod axial;
 mod spec;
+mod values;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -281,55 +282,6 @@ impl Model {
             .map(|active| active.memory.end)
             .max()
             .unwrap_or(0)
-    }
-
-    /// Place of a parameter in `theta`.
-    /// # Errors
-    /// [`ModelError::UnknownParameter`], with the paths that there are.
-    pub fn index(&self, path: &str) -> Result<usize, ModelError> {
-        self.parameters.iter().position(|p| p.path == path).ok_or_else(|| {
-            let known: Vec<_> = self.parameters.iter().map(|p| p.path.as_str()).collect();
-            ModelError::UnknownParameter { path: path.to_owned(), known: known.join(", ") }
-        })
-    }
-
-    /// A parameter, SI.
-    /// # Errors
-    /// [`ModelError::UnknownParameter`], with the paths that there are.
-    pub fn value(&self, path: &str) -> Result<f64, ModelError> {
-        Ok(self.theta[self.index(path)?])
-    }
-
-    /// A parameter, SI; zero where the model lacks its effect.
-    pub fn value_or_zero(&self, path: &str) -> f64 {
-        self.parameters
-            .iter()
-            .zip(&self.theta)
-            .find(|(own, _)| own.path == path)
-            .map_or(0.0, |(_, value)| *value)
-    }
-
-    /// Sets a parameter, SI.
-    /// # Errors
-    /// [`ModelError::UnknownParameter`] or [`ModelError::OutOfRange`].
-    pub fn set(&mut self, path: &str, value: f64) -> Result<(), ModelError> {
-        let k = self.index(path)?;
-        self.theta[k] = value;
-        self.check_parameter(k)
-    }
-
-    fn check(&self) -> Result<(), ModelError> {
-        (0..self.theta.len()).try_for_each(|k| self.check_parameter(k))
-    }
-
-    fn check_parameter(&self, k: usize) -> Result<(), ModelError> {
-        let ModelParameter { path, unit, range: (low, high), .. } = &self.parameters[k];
-        let value = self.theta[k];
-        if (*low..=*high).contains(&value) {
-            return Ok(());
-        }
-        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        Err(ModelError::OutOfRange { path: path.clone(), value, low: *low, high: *high, unit })
     }
 
     /// An effect that needs a diameter answers with not-a-number when the diameter is none.

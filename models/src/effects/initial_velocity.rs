@@ -47,6 +47,6 @@ impl Law for InitialVelocity {
 
     fn release<T: Real>(&self, theta: &[T]) -> Release<T> {
         let [angular_velocity] = named(theta);
-        Release { angle: T::from(0.0), angular_velocity: angular_velocity }
+        Release { angle: T::from(0.0), angular_velocity }
     }
 }

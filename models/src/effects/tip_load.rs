@@ -46,7 +46,7 @@ impl Law for TipForce {
 
     fn tip<T: Real>(&self, _at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
         let [x, z, moment] = named(theta);
-        TipLoad { force: [x, z], moment: moment }
+        TipLoad { force: [x, z], moment }
     }
 
     fn tip_energy<T: Real>(&self, at: &Tip<T>, theta: &[T]) -> T {
