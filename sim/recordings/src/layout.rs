@@ -214,22 +214,20 @@ impl Layout {
 
     /// Frame and time of a row.
     fn clock(&self, rows: &Rows, line: u64, numbers: &mut Numbers, draft: &mut Draft) {
+        let Draft { frames, times, wrong_clock: first_wrong, .. } = draft;
+        let mut or_wrong = |value: Option<f64>, column: usize, what: &'static str| {
+            value.unwrap_or_else(|| {
+                first_wrong.get_or_insert_with(|| wrong_clock(rows, line, column, what));
+                f64::NAN
+            })
+        };
         if let Some(column) = self.frame {
             let frame = numbers.read(rows.cell(column), line).ok().flatten();
             let frame = frame.filter(|frame| frame.abs() < 1e15 && frame.fract() == 0.0);
-            let wrong = || wrong_clock(rows, line, column, "frame");
-            draft.frames.push(frame.unwrap_or_else(|| {
-                draft.wrong_clock.get_or_insert_with(wrong);
-                f64::NAN
-            }));
+            frames.push(or_wrong(frame, column, "frame"));
         }
         if let Some((column, second)) = self.time {
-            let time = second_of(rows.cell(column), second, numbers, line);
-            let wrong = || wrong_clock(rows, line, column, "time");
-            draft.times.push(time.unwrap_or_else(|| {
-                draft.wrong_clock.get_or_insert_with(wrong);
-                f64::NAN
-            }));
+            times.push(or_wrong(second_of(rows.cell(column), second, numbers, line), column, "time"));
         }
     }
 
