@@ -214,10 +214,12 @@ impl Layout {
 
     /// Frame and time of a row.
     fn clock(&self, rows: &Rows, line: u64, numbers: &mut Numbers, draft: &mut Draft) {
-        let Draft { frames, times, wrong_clock: first_wrong, .. } = draft;
-        let mut or_wrong = |value: Option<f64>, column: usize, what: &'static str| {
+        let Draft { frames, times, wrong_clock, .. } = draft;
+        let mut or_wrong = |value: Option<f64>, column: usize, name: &str| {
             value.unwrap_or_else(|| {
-                first_wrong.get_or_insert_with(|| wrong_clock(rows, line, column, what));
+                let (name, value) = (name.to_owned(), short(rows.cell(column)));
+                let wrong = RecordingProblem::NotANumber { line, column: column + 1, name, value };
+                wrong_clock.get_or_insert(wrong);
                 f64::NAN
             })
         };
@@ -400,11 +402,6 @@ pub(super) fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
 fn decimals(rows: &Rows) -> usize {
     let last = rows.cell(rows.width().saturating_sub(1));
     last.rsplit_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len())
-}
-
-fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> RecordingProblem {
-    let value = short(rows.cell(column));
-    RecordingProblem::NotANumber { line, column: column + 1, name: name.to_owned(), value }
 }
 
 /// A time, s: a number of a unit, or hours, minutes and seconds between colons, with hundredths after a third one as
