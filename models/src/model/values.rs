@@ -8,7 +8,7 @@ impl Model {
     /// # Errors
     /// [`ModelError::UnknownParameter`], with the paths that there are.
     pub fn index(&self, path: &str) -> Result<usize, ModelError> {
-        self.parameters.iter().position(|p| p.path == path).ok_or_else(|| {
+        self.place(path).ok_or_else(|| {
             let known: Vec<_> = self.parameters.iter().map(|p| p.path.as_str()).collect();
             ModelError::UnknownParameter { path: path.to_owned(), known: known.join(", ") }
         })
@@ -23,11 +23,11 @@ impl Model {
 
     /// A parameter, SI; zero where the model lacks its effect.
     pub fn value_or_zero(&self, path: &str) -> f64 {
-        self.parameters
-            .iter()
-            .zip(&self.theta)
-            .find(|(own, _)| own.path == path)
-            .map_or(0.0, |(_, value)| *value)
+        self.place(path).map_or(0.0, |k| self.theta[k])
+    }
+
+    fn place(&self, path: &str) -> Option<usize> {
+        self.parameters.iter().position(|own| own.path == path)
     }
 
     /// Sets a parameter, SI.

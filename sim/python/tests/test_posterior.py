@@ -76,6 +76,18 @@ def test_arviz_agrees(drawn):
     assert tree["log_likelihood"][found["releases"][0]].shape == (2, 60)
 
 
+def test_a_fit_at_a_bound_is_sampled_inside(drawn):
+    """The true alpha is 1 1/s; draws pile up at the lower bound and do not pass it."""
+    bounded = efam.Experiment(drawn, calibrate={"parameter": [
+        {"path": "rod.bending_stiffness"},
+        {"path": "effects.rayleigh_mass.alpha", "bounds": ["1.2 1/s", "5 1/s"]},
+        {"path": "effects.rayleigh_stiffness.beta"},
+    ]})
+    found = efam.sample(bounded, chains=2, draws=100, warm_up=40, progress=False)
+    draws = found.draws["effects.rayleigh_mass.alpha at 103.4 kPa"]
+    assert 1.2 <= draws.min() < 1.21 and draws.max() < 1.5, (draws.min(), draws.max())
+
+
 def test_what_cannot_be_sampled_is_refused(drawn):
     with pytest.raises(efam.ScenarioError, match="chains = 1"):
         efam.sample(drawn, chains=1)

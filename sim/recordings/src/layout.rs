@@ -217,9 +217,10 @@ impl Layout {
         let Draft { frames, times, wrong_clock, .. } = draft;
         let mut or_wrong = |value: Option<f64>, column: usize, name: &str| {
             value.unwrap_or_else(|| {
-                let (name, value) = (name.to_owned(), short(rows.cell(column)));
-                let wrong = RecordingProblem::NotANumber { line, column: column + 1, name, value };
-                wrong_clock.get_or_insert(wrong);
+                wrong_clock.get_or_insert_with(|| {
+                    let (name, value) = (name.to_owned(), short(rows.cell(column)));
+                    RecordingProblem::NotANumber { line, column: column + 1, name, value }
+                });
                 f64::NAN
             })
         };

@@ -12,7 +12,6 @@ use efam_inference::calibrate::{
 };
 use efam_report::Request;
 use efam_report::calibrated::{models, table, write_calibration};
-use efam_report::experiment::input_hashes;
 use efam_store::escape::shell_word;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -60,10 +59,11 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     // Obstacles are reported before a long search.
     let (experiment, folder) = open(&args.of, console)?;
-    let input_hashes = input_hashes(&experiment);
+    // With the hashes of what is read now.
+    let request = request(&experiment, begin);
     let stages = console.stages();
     let open = |how| {
-        let id = efam_store::sha::sha256(format!("{input_hashes:?}{}", args.profile).as_bytes());
+        let id = efam_store::sha::sha256(format!("{:?}{}", request.input_hashes, args.profile).as_bytes());
         LiveFit::fit(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
@@ -82,7 +82,8 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
     let calibration = &outcome.calibration;
     let models = models(&experiment, &problem, &settings, calibration)
         .map_err(|error| Failure::Usage(error.to_string()))?;
-    let request = Request { warnings: calibration.warnings.clone(), ..request(&experiment, begin) };
+    let wall_time_s = begin.elapsed().as_secs_f64();
+    let request = Request { warnings: calibration.warnings.clone(), wall_time_s, ..request };
     let written = || write_calibration(&folder, &request, &problem, &outcome, &models);
     interrupt::writing(&folder, &stages, written)?;
     let live = unlocked(live).map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;

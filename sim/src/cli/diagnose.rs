@@ -16,7 +16,6 @@ use efam_inference::diagnose::{
 };
 use efam_report::Request;
 use efam_report::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
-use efam_report::experiment::input_hashes;
 use models::quantity::Quantity;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -152,10 +151,11 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     }
     .stated(&experiment)?;
     let folder = claim(&experiment, &args.of, console)?;
-    let input_hashes = input_hashes(&experiment);
+    // With the hashes of what is read now.
+    let request = request(&experiment, begin);
     let stages = console.stages();
     let open = |how| {
-        let id = efam_store::sha::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
+        let id = efam_store::sha::sha256(format!("{:?}{settings:?}", request.input_hashes).as_bytes());
         LiveSearch::search(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
@@ -172,7 +172,8 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     let (folder, outcome) = interrupt::during_search(folder, &stages, &ending, work);
     let outcome = outcome?;
     stages.tell("writing");
-    let request = Request { warnings: outcome.diagnosis.warnings.clone(), ..request(&experiment, begin) };
+    let wall_time_s = begin.elapsed().as_secs_f64();
+    let request = Request { warnings: outcome.diagnosis.warnings.clone(), wall_time_s, ..request };
     write_diagnosis(&folder, &request, &outcome)?;
     let live = unlocked(live).map(|mut live| live.found(&outcome).map(|()| live)).transpose()?;
     let viewer = Recording::saved(live, args.rerun.as_ref())?;

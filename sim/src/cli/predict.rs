@@ -210,6 +210,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The rod that is requested, and of a muscle its pressure as well.
 fn requested_rod(args: &Predict) -> Result<RodFile<'_>, Failure> {
     match (args.rod(), &args.pressure) {
         (None, _) => Err(Failure::Usage(format!(

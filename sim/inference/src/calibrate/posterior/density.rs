@@ -35,9 +35,12 @@ impl<'a> PartDensity<'a> {
         let PartFit { objective, found, uncertainty, .. } = fit;
         let hessian = &found.at.hessian;
         let unknowns = objective.part.unknowns.iter().enumerate();
-        let coordinates: Vec<Coordinate> = unknowns
-            .map(|(k, own)| Coordinate::of(own, found.x[k], uncertainty.plain[(k, k)].sqrt()))
-            .collect();
+        // The larger error, since draws are stretched to the one that is stated. A fit at a bound may have none: what is scaled has a
+        // typical size of one.
+        let variance = |k: usize| uncertainty.plain[(k, k)].max(uncertainty.covariance[(k, k)]);
+        let size = |k: usize| Some(variance(k).sqrt()).filter(|size| *size > 0.0);
+        let coordinates: Vec<Coordinate> =
+            unknowns.map(|(k, own)| Coordinate::of(own, found.x[k], size(k).unwrap_or(1.0))).collect();
         let each = |of: &dyn Fn(usize, Coordinate) -> f64| {
             DVector::from_iterator(
                 coordinates.len(),
