@@ -20,8 +20,9 @@
 //!           damping ratio that grows 4.5 times from 5 to 100 psi.
 
 use super::{
-    About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Separator,
-    relative_pressure, named};
+    About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Separator, named,
+    relative_pressure,
+};
 
 /// Losses that grow with the pressure.
 pub struct DampingOverPressure;
@@ -77,7 +78,9 @@ impl Law for DampingOverPressure {
 
     fn bend<T: Real>(&self, at: &Bend<T>, theta: &[T]) -> Moment<T> {
         let [stiffness_time, _, reference] = named(theta);
-        Moment::of(stiffness_time * relative_pressure(at.rod, reference) * at.rod.bending_stiffness * at.kappa_rate)
+        Moment::of(
+            stiffness_time * relative_pressure(at.rod, reference) * at.rod.bending_stiffness * at.kappa_rate,
+        )
     }
 
     fn edge<T: Real>(&self, at: &Edge<T>, theta: &[T]) -> T {

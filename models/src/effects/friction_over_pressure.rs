@@ -23,7 +23,9 @@
 //!           1675, with |κ̇| made smooth.
 
 use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, relative_pressure, named};
+use super::{
+    About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator, named, relative_pressure,
+};
 
 /// Coulomb's friction that grows with the pressure.
 pub struct FrictionOverPressure;

@@ -14,7 +14,7 @@
 //! Silent:   Rest at r₀.
 //! Source:   Kelvin and Voigt's solid, as a point support.
 
-use super::{named, About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad, named};
 
 /// A supply line that holds the tip back.
 pub struct Hose;

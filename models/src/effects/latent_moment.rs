@@ -19,7 +19,7 @@
 //! Source:   Terms as in sparse identification: Brunton, Proctor and Kutz (2016), PNAS 113, 3932; an
 //!           unknown force on modal coordinates: Rogers and Friis (2022), Mech. Syst. Signal Process. 166.
 
-use super::{named, About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, named};
 
 /// Rate of curvature over which the sign turns round, 1/(m s): a fiftieth of what a release reaches.
 const SIGN_RATE: f64 = 0.5;

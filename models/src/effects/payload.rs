@@ -16,7 +16,7 @@
 //! Silent:   No motion of the tip is without it.
 //! Source:   A rigid body fixed to the end fitting: Newton and Euler.
 
-use super::{named, About, BODY_PARAMETERS, Body, Kind, Law, Parameter, Place, Reach, Real};
+use super::{About, BODY_PARAMETERS, Body, Kind, Law, Parameter, Place, Reach, Real, named};
 
 /// The rigid body of the payload.
 pub struct Payload;

@@ -36,8 +36,8 @@ const FIRST_STEP: f64 = 0.5;
 /// one to its mirror image.
 const LONGEST_STEP: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Length of a trajectory: half a rotation, which leads to the mirror image of the start where the density is normal. Steps of a
-/// quarter reach half of that by one; shorter ones go on until it is reached, or until the trajectory turns round.
+/// Length of a trajectory: half a rotation, beyond which a normal density only mirrors what came before. A step of a quarter is taken
+/// once, shorter ones until the length is reached or the trajectory turns round.
 const LENGTH: f64 = std::f64::consts::PI;
 
 /// Draws after which masses would be adapted: never, since the coordinates have equal ones.
